@@ -174,10 +174,7 @@ fn solve_scene(k: usize, text: &str, folder: Option<&Path>, row: usize) -> Resul
         let found = format!("{} transducers", state.session.transducers());
         return Err(Error::invalid(place, found, format!("a row of drives has room for {row}")));
     }
-    let solution = state.solve_own().map_err(|error| match error {
-        Error::Memory { .. } => error,
-        error => Error::File { place: place.clone(), reason: error.to_string() },
-    })?;
+    let solution = state.solve_own().map_err(|error| error.inside(place.as_str()))?;
     let (mut drive, answer) = (solution.drive.clone(), solution.into());
     drive.resize(row, Complex32::ZERO);
     let said = format!("{said}\n{}", state.remarks());

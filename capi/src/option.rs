@@ -2,7 +2,7 @@
 
 use midair::solvers::{DEFAULT, configure, find};
 use midair::{
-    Aim, Array, Bead, Board, Choice, Complex64, Directivity, Error, InstructionSet, Medium, Model, Obstacle,
+    Aim, Array, Bead, Board, Choice, Complex64, Directivity, Error, ErrorCode, InstructionSet, Medium, Model, Obstacle,
     OptionValue, Options, PartKind, PartValue, Particle, Quantization, Scene, Session, Signature, Transducer, Value,
     word,
 };
@@ -142,18 +142,20 @@ impl Setting {
 }
 
 /// Adds the names of options of the session to an error about an unknown option of the method.
-fn with_own_names(error: Error) -> Error {
-    let Error::Unknown { kind, name, mut hint, mut known } = error else { return error };
+fn with_own_names(mut error: Error) -> Error {
+    if error.code != ErrorCode::Unknown {
+        return error;
+    }
     let with_parameter = Directivity::all().filter(|directivity| directivity.parameter().is_some());
     let laws: Vec<String> = with_parameter.map(|directivity| format!("directivity.{}", directivity.name().0)).collect();
     let beads: Vec<String> = Bead::KEYS.iter().map(|key| format!("bead.{}", key.name)).collect();
     let own = Medium::KEYS.iter().map(|key| key.name).chain(Array::PARTS.iter().map(|part| part.name));
-    let names = own.chain(laws.iter().chain(&beads).map(String::as_str)).chain(["balance", "aim"]);
-    if let Error::Unknown { hint: own, known: names, .. } = Error::unknown("", &*name, names) {
-        hint = if hint.is_empty() { own } else { hint };
-        known = format!("{known}, {names}");
+    let names: Vec<&str> = own.chain(laws.iter().chain(&beads).map(String::as_str)).chain(["balance", "aim"]).collect();
+    if error.hint.is_empty() {
+        error.hint = Error::unknown("", &*error.value, names.iter().copied()).hint.clone();
     }
-    Error::Unknown { kind, name, hint, known }
+    error.cure = format!("{}, {}", error.cure, names.join(", "));
+    error
 }
 
 /// Returns a number as an integer if it is whole, and within the range in which f64 contains all whole numbers.

@@ -1,10 +1,12 @@
 //! Outcome of a call: a result code, and a line in the caller's buffer. Panics do not reach C.
 
 use std::any::Any;
-use std::ffi::c_char;
+use std::cell::Cell;
+use std::ffi::{CString, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::LazyLock;
 
-use midair::Error;
+use midair::{Error, ErrorCode};
 
 /// The result of a call. Unless it is MIDAIR_RESULT_OK, the caller's buffers have not changed, except for the message.
 #[repr(C)]
@@ -50,23 +52,42 @@ impl Message {
     }
 }
 
+thread_local! {
+    /// The code of this thread's last call; `None` if it did not fail.
+    static LAST: Cell<Option<ErrorCode>> = const { Cell::new(None) };
+}
+
+/// The texts of all codes, in their order.
+static CODES: LazyLock<Vec<CString>> =
+    LazyLock::new(|| ErrorCode::ALL.iter().map(|(_, text, _)| CString::new(*text).unwrap_or_default()).collect());
+
+/// Returns the code of the error of this thread's last call that can fail, such as "too-near"; an empty text if it did not fail.
+/// docs/errors.md lists all codes. They never change, unlike the words of messages. The text is valid as long as the library is
+/// loaded.
+#[unsafe(no_mangle)]
+pub extern "C" fn midair_last_code() -> *const c_char {
+    LAST.get().map_or(c"".as_ptr(), |code| CODES[code as usize].as_ptr())
+}
+
 /// Runs the work of a function. Writes its warnings, its error or its panic to the message.
 pub(crate) fn outcome<T: AsRef<str>>(message: Message, work: impl FnOnce() -> Result<T, Error>) -> Outcome {
     // After a panic, no later call reads data that the panicking call may have left incomplete.
-    match catch_unwind(AssertUnwindSafe(work)) {
+    let (code, outcome) = match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(said)) => {
             message.write(said.as_ref());
-            Outcome::Ok
+            (None, Outcome::Ok)
         }
         Ok(Err(error)) => {
             message.write(&error.to_string());
-            if matches!(error, Error::Memory { .. }) { Outcome::Memory } else { Outcome::Invalid }
+            (Some(error.code), if error.code == ErrorCode::Memory { Outcome::Memory } else { Outcome::Invalid })
         }
         Err(panic) => {
             message.write(&format!("a fault of midair's own, please report it: {}", words(&*panic)));
-            Outcome::Fault
+            (Some(ErrorCode::Fault), Outcome::Fault)
         }
-    }
+    };
+    LAST.set(code);
+    outcome
 }
 
 /// Returns the message of a panic.
@@ -93,6 +114,21 @@ mod tests {
         let number = 3;
         assert_eq!(reported(80, || panic!("two is {number}")), (Outcome::Fault, text.clone()));
         assert_eq!(reported(80, || panic!("two is 3")), (Outcome::Fault, text));
+    }
+
+    #[test]
+    fn the_code_of_the_last_call_is_a_text() {
+        let last = || {
+            // SAFETY: the text ends with NUL, and is never changed.
+            unsafe { std::ffi::CStr::from_ptr(midair_last_code()) }.to_str().expect("ASCII")
+        };
+        assert_eq!((reported(80, || Err(Error::missing("a", "b", "c"))).0, last()), (Outcome::Invalid, "missing"));
+        assert_eq!((reported(80, || panic!("two is 3")).0, last()), (Outcome::Fault, "fault"));
+        assert_eq!((reported(80, || Ok("")).0, last()), (Outcome::Ok, ""));
+        for (code, name, _) in ErrorCode::ALL {
+            reported(80, || Err(Error::new(*code, "a", "b", "c")));
+            assert_eq!((last(), ErrorCode::of(last())), (*name, Some(*code)));
+        }
     }
 
     #[test]

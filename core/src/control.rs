@@ -5,7 +5,7 @@ use core::fmt;
 use core::ops::ControlFlow;
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use crate::error::Error;
+use crate::error::{Error, ErrorCode, Notice};
 use crate::threads::Threads;
 
 /// How far a solve has progressed.
@@ -168,7 +168,7 @@ impl<'a> Control<'a> {
     /// Solvers call this within a long step, about once for each row of the propagation matrix G, many times per millisecond.
     ///
     /// # Errors
-    /// [`Error::Stopped`] once, if the caller stops. A solver then ends with its best result so far, if it has any.
+    /// [`Error::stopped`] once, if the caller stops. A solver then ends with its best result so far, if it has any.
     #[inline]
     pub fn pulse(&mut self) -> Result<(), Error> {
         self.pulses = self.pulses.wrapping_add(1);
@@ -183,19 +183,23 @@ impl<'a> Control<'a> {
     fn beat(&mut self) -> Result<(), Error> {
         self.received = self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
             || self.observer.as_mut().is_some_and(|observer| observer.pulse().is_break());
-        if self.received { Err(Error::Stopped) } else { Ok(()) }
+        if self.received { Err(Error::stopped()) } else { Ok(()) }
     }
 
     /// Checks that `bytes` of memory can be allocated. `what` names the purpose for N transducers and M points.
     ///
     /// # Errors
-    /// [`Error::Memory`] if this exceeds the limit or the free memory.
+    /// An error of the code [`ErrorCode::Memory`] if this exceeds the limit or the free memory.
     pub fn room(&self, what: &str, [transducers, points]: [usize; 2], bytes: u64) -> Result<(), Error> {
         let spare = || Vec::<u8>::new().try_reserve_exact(usize::try_from(bytes).unwrap_or(usize::MAX)).is_ok();
         if bytes <= SMALL.min(self.memory) || (bytes <= self.memory && spare()) {
             return Ok(());
         }
-        Err(Error::Memory { what: what.into(), transducers, points, bytes, limit: self.memory })
+        let [bytes, limit] = [bytes, self.memory].map(|bytes| format!("{:.3} GB", bytes as f64 * 1e-9));
+        let item = format!("{what} of N = {transducers} transducers and M = {points} points");
+        let cure = "give fewer points or transducers, a method without it, or a higher limit";
+        let value = format!("{bytes}, the limit is {limit}");
+        Err(Error::of(Notice::new(ErrorCode::Memory, item, value, cure).verb("needs").other(bytes)))
     }
 
     /// The number of parts that [`Control::each`] runs at the same time.

@@ -1,140 +1,301 @@
-//! Errors: each is one line that names the item, its value and the cure.
+//! Errors and warnings: each is one line that names the item, its value and the cure. Programs read its code and its parts.
 
 use alloc::boxed::Box;
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
-use core::fmt::Display;
+use core::fmt::{self, Display};
+use core::ops::{Deref, DerefMut};
 
-/// A request that cannot be fulfilled. Its text is one line for users.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+/// Declares the codes, each with its text and its meaning.
+macro_rules! codes {
+    ($($name:ident $text:literal $meaning:literal)*) => {
+        /// What an error or a warning is about. Its text never changes, and `docs/errors.md` lists it.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[non_exhaustive]
+        pub enum ErrorCode {
+            $(#[doc = $meaning] $name,)*
+        }
+
+        impl ErrorCode {
+            /// All codes, each with its text and its meaning.
+            pub const ALL: &[(Self, &str, &str)] = &[$((Self::$name, $text, $meaning)),*];
+        }
+    };
+}
+
+codes! {
+    Invalid "invalid" "A value that is not allowed, and that has no code of its own."
+    Unknown "unknown" "A name that midair does not know."
+    Type "type" "A value of another type, such as text instead of a number."
+    Shape "shape" "A list, an array or a frame of another shape or length."
+    NotFinite "not-finite" "A number that is NaN or infinite."
+    OutOfRange "out-of-range" "A number that is too small or too large."
+    Missing "missing" "A value, a file or a package that is needed and not there."
+    Conflict "conflict" "Two values that do not go together."
+    Unreadable "unreadable" "A text or a file that cannot be read."
+    Unwritable "unwritable" "A file that cannot be written."
+    Memory "memory" "More memory than the limit, or than the machine has."
+    Stopped "stopped" "The caller requested a stop before there was a result."
+    Fault "fault" "An error of midair itself; please report it."
+    TooNear "too-near" "A point closer to a transducer than a hundredth of the wavelength."
+    Unreached "unreached" "A point with a pressure above 0 that no transducer reaches."
+    Blocked "blocked" "A point inside an obstacle or behind a wall."
+    Behind "behind" "A point behind every transducer."
+    InPlane "in-plane" "A point in the plane of the transducers."
+    TooFar "too-far" "A point or an obstacle far beyond the array."
+    Contrary "contrary" "Two points that are too close together for their different pressures."
+    Silent "silent" "A request whose pressures are all 0."
+    CrossesArray "crosses-array" "An obstacle that contains or touches a transducer."
+    SphereAmong "sphere-among" "A sphere beside other obstacles."
+    SphereSize "sphere-size" "A sphere that is too large."
+    Doubtful "doubtful" "A value that is computed, and probably a mistake."
+    BeyondReach "beyond-reach" "A pressure that the array cannot make at its point."
+    BeyondTogether "beyond-together" "Pressures that no drive makes at the same time."
+    Missed "missed" "Pressures that the answer misses by more than 1 %."
+    Weak "weak" "Pressures far below the level that the array can make."
+    PhasesUnused "phases-unused" "Phases of pressures that the method ignores."
+    Leak "leak" "Quiet points that are louder than the method's tolerance."
+    Harmonic "harmonic" "A pressure at which the second harmonic counts."
+    Scaled "scaled" "An amplitude that the supply voltage or a modulation must provide."
+    Still "still" "A limit of phase changes that is smaller than a step of the board's phases."
+}
+
+impl ErrorCode {
+    /// The code as text: `too-near`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].1
+    }
+
+    /// The code of a text; `None` for an unknown one.
+    #[must_use]
+    pub fn of(name: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(_, text, _)| *text == name).map(|(code, ..)| *code)
+    }
+}
+
+/// The parts of an error or a warning. Its text is `place: item verb value: hint cure; for example example`, without the
+/// parts that are empty. The text of [`ErrorCode::Unknown`] is `place: unknown item "value": hint cure`.
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Error {
-    /// An invalid value.
-    #[error("{item} is {value}: {cure}")]
-    Invalid {
-        /// The name of the value, as in a scene file: `points[3].pressure`.
-        item: String,
-        /// The value itself.
-        value: String,
-        /// How to correct it.
-        cure: String,
-    },
-    /// An unknown name.
-    #[error("unknown {kind} \"{name}\": {hint}known are {known}")]
-    Unknown {
-        /// The kind of the name: `solver`, `preset`, `option of greedy`.
-        kind: String,
-        /// The unknown name.
-        name: String,
-        /// A suggestion that ends in a space, or an empty text if no known name is similar.
-        hint: String,
-        /// The known names, separated by commas.
-        known: String,
-    },
-    /// A point closer to a transducer than a hundredth of the wavelength, where a pressure proportional to 1/r has no meaning.
-    #[error(
-        "points[{point}] is {distance:.3e} m from transducer {transducer}: move it at least {least:.3e} m (a hundredth of the wavelength) away"
-    )]
-    TooNear {
-        /// Index of the point.
-        point: usize,
-        /// Index of the transducer.
-        transducer: usize,
-        /// The distance from the point to the transducer in metres.
-        distance: f64,
-        /// The smallest distance allowed, in metres.
-        least: f64,
-    },
-    /// A point with a pressure above 0 at which no transducer has any effect.
-    #[error("points[{point}] is reached by no transducer: {cure}")]
-    Unreached {
-        /// Index of the point.
-        point: usize,
-        /// How to correct it.
-        cure: &'static str,
-    },
-    /// A problem of a batch that cannot be solved.
-    #[error("problems[{index}]: {error}")]
-    InBatch {
-        /// Index of the problem.
-        index: usize,
-        /// The error of this problem.
-        error: Box<Error>,
-    },
-    /// A frame of a sequence that cannot be solved.
-    #[error("frames[{index}]: {error}")]
-    InFrame {
-        /// Index of the frame.
-        index: usize,
-        /// The error of this frame.
-        error: Box<Error>,
-    },
-    /// More memory than the limit, or than the machine has.
-    #[error(
-        "{what} of N = {transducers} transducers and M = {points} points needs {:.3} GB, the limit is {:.3} GB: give fewer points or transducers, a method without it, or a higher limit",
-        *bytes as f64 * 1e-9,
-        *limit as f64 * 1e-9
-    )]
-    Memory {
-        /// What the memory is for.
-        what: String,
-        /// The number of transducers N.
-        transducers: usize,
-        /// The number of points M.
-        points: usize,
-        /// The bytes that are needed.
-        bytes: u64,
-        /// The limit in bytes.
-        limit: u64,
-    },
-    /// The caller requested a stop before there was a result.
-    #[error("stopped before there was an answer")]
-    Stopped,
-    /// A scene file, or a file that it names, that cannot be read.
-    #[error("{place}: {reason}")]
-    File {
-        /// The name of the file, with line and column if they are known.
-        place: String,
-        /// The error there and how to correct it.
-        reason: String,
-    },
+pub struct Notice {
+    /// What it is about.
+    pub code: ErrorCode,
+    /// Where it was found: `bowl.toml, line 3, column 5`, `problems[2]`.
+    pub place: String,
+    /// The name of the value, as in a scene file: `points[3].pressure`.
+    pub item: String,
+    /// The verb between item and value, in most cases `is`.
+    pub verb: String,
+    /// The value.
+    pub value: String,
+    /// A guess at what was meant. It ends with a space.
+    pub hint: String,
+    /// How to correct it.
+    pub cure: String,
+    /// A correct line of a document.
+    pub example: String,
+    /// A second number or name in the text, such as the highest pressure that is possible, or the name that was meant.
+    pub other: String,
+    /// The number of the problem of a batch or of the frame of a sequence, else the first number in the item.
+    pub index: Option<usize>,
+}
+
+/// A request that cannot be fulfilled, as a [`Notice`]. Its text is one line for users.
+///
+/// ```
+/// use midair::{Array, ErrorCode};
+///
+/// let error = Array::grid(0, 3, 0.01).unwrap_err();
+/// assert_eq!(error.to_string(), "array.grid.nx is 0: give at least 1 transducer");
+/// assert_eq!((error.code, &*error.item, &*error.value), (ErrorCode::OutOfRange, "array.grid.nx", "0"));
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Error(Box<Notice>);
+
+impl Deref for Error {
+    type Target = Notice;
+
+    fn deref(&self) -> &Notice {
+        &self.0
+    }
+}
+
+impl DerefMut for Error {
+    fn deref_mut(&mut self) -> &mut Notice {
+        &mut self.0
+    }
+}
+
+impl core::error::Error for Error {}
+
+impl Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl Display for Notice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { place, item, verb, value, hint, cure, example, .. } = self;
+        if !place.is_empty() {
+            write!(f, "{place}: ")?;
+        }
+        match self.code {
+            ErrorCode::Unknown => write!(f, "unknown {item} \"{value}\"")?,
+            _ if item.is_empty() => f.write_str(value)?,
+            _ => write!(f, "{item} {verb} {value}")?,
+        }
+        if !cure.is_empty() {
+            write!(f, ": {hint}{cure}")?;
+        }
+        if example.is_empty() { Ok(()) } else { write!(f, "; for example {example}") }
+    }
+}
+
+impl Notice {
+    /// Returns `item is value: cure`.
+    pub fn new(code: ErrorCode, item: impl Into<String>, value: impl Display, cure: impl Into<String>) -> Self {
+        Self::of(code, &item.into(), &value.to_string(), cure.into())
+    }
+
+    fn of(code: ErrorCode, item: &str, value: &str, cure: String) -> Self {
+        let (item, value) = (one_line(item), one_line(value));
+        let [place, hint, example, other] = [const { String::new() }; 4];
+        let index = first_index(&item);
+        Self { code, place, item, verb: "is".into(), value, hint, cure, example, other, index }
+    }
+
+    /// Replaces the verb.
+    #[must_use]
+    pub fn verb(self, verb: &str) -> Self {
+        Self { verb: verb.into(), ..self }
+    }
+
+    /// Sets the second number or name in the text.
+    #[must_use]
+    pub fn other(self, other: impl Display) -> Self {
+        Self { other: other.to_string(), ..self }
+    }
+}
+
+/// Returns the number in the first brackets of an item.
+fn first_index(item: &str) -> Option<usize> {
+    item.split_once('[')?.1.split([',', ']']).next()?.parse().ok()
+}
+
+/// Declares functions that return `item is value: cure` with a code.
+macro_rules! errors {
+    ($($name:ident $code:ident)*) => {
+        impl Error {
+            $(
+                #[doc = concat!("Returns `item is value: cure`, with the code [`ErrorCode::", stringify!($code), "`].")]
+                pub fn $name(item: impl Into<String>, value: impl Display, cure: impl Into<String>) -> Self {
+                    Self::new(ErrorCode::$code, item, value, cure)
+                }
+            )*
+        }
+    };
+}
+
+errors! {
+    invalid Invalid
+    wrong_type Type
+    shape Shape
+    out_of_range OutOfRange
+    missing Missing
+    conflict Conflict
+    unreadable Unreadable
 }
 
 impl Error {
-    /// Returns an [`Error::Invalid`].
-    pub fn invalid(item: impl Into<String>, value: impl Display, cure: impl Into<String>) -> Self {
-        Self::of_value(&item.into(), &value, cure.into())
+    /// Returns an error of these parts.
+    #[must_use]
+    pub fn of(notice: Notice) -> Self {
+        Self(notice.into())
     }
 
-    fn of_value(item: &str, value: &dyn Display, cure: String) -> Self {
-        Self::Invalid { item: one_line(item), value: one_line(&value.to_string()), cure }
+    /// Returns `item is value: cure` with a code.
+    pub fn new(code: ErrorCode, item: impl Into<String>, value: impl Display, cure: impl Into<String>) -> Self {
+        Self::of(Notice::new(code, item, value, cure))
+    }
+
+    /// The error for a number that is NaN or infinite; it has the usual cure.
+    pub fn not_finite(item: impl Into<String>, value: impl Display) -> Self {
+        Self::new(ErrorCode::NotFinite, item, value, "give finite numbers")
+    }
+
+    /// The error for a stop by the caller before there was a result.
+    #[must_use]
+    pub fn stopped() -> Self {
+        Self::new(ErrorCode::Stopped, "", "stopped before there was an answer", "")
     }
 
     /// The error for a result that is not finite, because numbers exceeded the range of f32.
     pub(crate) fn lost() -> Self {
         let cure = "G and the pressures span too many orders of magnitude for this solver: \
                     leave out the points it hardly reaches (weight 0), or choose another";
-        Self::invalid("drive", "not finite", cure)
+        Self::new(ErrorCode::NotFinite, "drive", "not finite", cure)
     }
 
     /// The error for points beside a user's own propagation matrix G, which belongs to fixed points.
     pub(crate) fn given_points() -> Self {
-        Self::invalid("points", "given", "a matrix of your own belongs to its points: leave them out")
+        let cure = "a matrix of your own belongs to its points: leave them out";
+        Self::new(ErrorCode::Conflict, "points", "given", cure)
     }
 
-    /// Returns an [`Error::Unknown`] that lists the known names.
+    /// Returns the error about an unknown name; it lists the known names.
     pub fn unknown<'a>(
         kind: impl Into<String>,
         name: impl Into<String>,
         known: impl IntoIterator<Item = &'a str>,
     ) -> Self {
-        Self::of_name(kind.into(), &name.into(), &known.into_iter().collect::<Vec<_>>())
+        Self::of_name(&kind.into(), &name.into(), &known.into_iter().collect::<Vec<_>>())
     }
 
-    fn of_name(kind: String, name: &str, known: &[&str]) -> Self {
-        let hint = nearest(name, known).map_or_else(String::new, |near| format!("did you mean {near}? "));
-        Self::Unknown { kind, name: one_line(name), hint, known: known.join(", ") }
+    fn of_name(kind: &str, name: &str, known: &[&str]) -> Self {
+        let cure = format!("known are {}", known.join(", "));
+        let mut error = Self::of(Notice::of(ErrorCode::Unknown, kind, name, cure));
+        if let Some(near) = nearest(name, known) {
+            error.hint = format!("did you mean {near}? ");
+            error.other = near.into();
+        }
+        error
+    }
+
+    /// Returns whether the caller requested a stop.
+    #[must_use]
+    pub fn is_stop(&self) -> bool {
+        self.code == ErrorCode::Stopped
+    }
+
+    /// Returns the same error about another item.
+    #[must_use]
+    pub fn about(mut self, item: impl Into<String>) -> Self {
+        self.item = item.into();
+        self
+    }
+
+    /// Returns the same error, found in a place: a file, or a part of a request.
+    #[must_use]
+    pub fn inside(mut self, place: impl Into<String>) -> Self {
+        let inner = core::mem::replace(&mut self.place, place.into());
+        if !inner.is_empty() {
+            self.place = format!("{}: {inner}", self.place);
+        }
+        self
+    }
+
+    /// Returns the same error of one of many: of `problems[3]` or `frames[3]`. A stop concerns all of them.
+    #[must_use]
+    pub fn of_one(self, many: &str, index: usize) -> Self {
+        if self.is_stop() {
+            return self;
+        }
+        let mut error = self.inside(format!("{many}[{index}]"));
+        error.index = Some(index);
+        error
     }
 }
 
@@ -222,17 +383,18 @@ pub(crate) fn one_each(item: &str, found: usize, entries: &str, count: usize, ow
     if found == count {
         return Ok(());
     }
-    Err(Error::invalid(item, format!("{found} {entries}"), format!("give one for each of the {count} {owners}")))
+    let cure = format!("give one for each of the {count} {owners}");
+    Err(Error::new(ErrorCode::Shape, item, format!("{found} {entries}"), cure))
 }
 
 /// Returns `value` if it is finite and at least `least` (above it if `strict`); else an error that names `item`.
 pub(crate) fn real(item: &str, value: f64, least: f64, strict: bool) -> Result<f64, Error> {
     if !value.is_finite() {
-        return Err(Error::invalid(item, format_args!("{value:?}"), "give a finite number"));
+        return Err(Error::new(ErrorCode::NotFinite, item, format_args!("{value:?}"), "give a finite number"));
     }
     if value < least || (strict && value == least) {
-        let bound = if strict { "above" } else { "of at least" };
-        return Err(Error::invalid(item, format_args!("{value:?}"), format!("give a number {bound} {least}")));
+        let cure = format!("give a number {} {least}", if strict { "above" } else { "of at least" });
+        return Err(Error::new(ErrorCode::OutOfRange, item, format_args!("{value:?}"), cure));
     }
     Ok(value)
 }

@@ -87,7 +87,7 @@ pub use device::channels::Channels;
 pub use device::code::Code;
 pub use device::link::Link;
 pub use device::quantization::Quantization;
-pub use error::Error;
+pub use error::{Error, ErrorCode, Notice};
 pub use kernels::InstructionSet;
 pub use num_complex::{Complex32, Complex64};
 pub use problem::{Beyond, Metrics, Precision, Problem, Reach, Setup, Solution, Status, bound};
@@ -98,8 +98,8 @@ pub use propagation::forces::rest::{Rest, poised, rest};
 pub use propagation::{Boundary, KeptField, Model, Propagation, field};
 pub use rng::Rng;
 pub use scene::{
-    Aim, Array, Axis, Bead, Body, Choice, Directivity, Doubt, Extras, Key, Medium, Mesh, Obstacle, OptionValue,
-    Options, Origin, Parameter, Part, PartKind, PartValue, Particle, Plane, Request, Scene, Signature, Start, Surface,
+    Aim, Array, Axis, Bead, Body, Choice, Directivity, Extras, Key, Medium, Mesh, Obstacle, OptionValue, Options,
+    Origin, Parameter, Part, PartKind, PartValue, Particle, Plane, Request, Scene, Signature, Start, Surface,
     Transducer, Value, presets, spell, spl, word,
 };
 pub use session::{Batch, Frames, Session, SolveRequest};

@@ -76,11 +76,9 @@ fn batch(model: &Model, asks: &[SolveRequest], solver: &Solver, balance: bool) {
                 assert_eq!((one.status, one.steps), (batch.status[k], batch.steps[k]), "problem {k}");
             }
         }
-        (Err(Error::InBatch { index, .. }), Err((first, _))) if asks[first].start.is_some() => {
-            assert_eq!(index, first);
-        }
+        (Err(error), Err((first, _))) if asks[first].start.is_some() => assert_eq!(error.index, Some(first)),
         (batch, single) => {
-            let named = single.err().map(|(index, error)| Error::InBatch { index, error: error.into() });
+            let named = single.err().map(|(index, error)| error.of_one("problems", index));
             assert_eq!(batch.err(), named);
         }
     }

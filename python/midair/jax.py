@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._midair import Array, Scene, SceneError, Solution
+from ._midair import Array, Scene, Solution
 from ._support import slips
+from ._support.arguments import needs
 from .grad import NAMES, run
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ def field(
     try:
         import jax
     except ImportError as error:
-        raise SceneError('midair.jax needs JAX: pip install "midair[jax]"') from error
+        raise needs("midair.jax", "JAX", "jax") from error
     values = (drive, points, positions, normals, sound_speed)
     named = {name: value for name, value in zip(NAMES, values, strict=True) if value is not None}
     given = {name: 1.0 * jax.numpy.asarray(value) for name, value in named.items()}

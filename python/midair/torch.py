@@ -19,8 +19,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._midair import Array, Scene, SceneError, Solution
+from ._midair import Array, Scene, Solution
 from ._support import slips
+from ._support.arguments import needs
 from .grad import NAMES, run
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ def _function() -> tuple[Any, Any]:
         import torch
         from torch.autograd.function import once_differentiable
     except ImportError as error:
-        raise SceneError('midair.torch needs PyTorch: pip install "midair[torch]"') from error
+        raise needs("midair.torch", "PyTorch", "torch") from error
 
     class Field(torch.autograd.Function):  # type: ignore[misc, unused-ignore]
         """Autograd function of a quantity. Its arguments are the call, the tensors' names and the tensors."""

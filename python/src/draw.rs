@@ -6,7 +6,7 @@ use midair::Request;
 use midair::files::{self, Drawing, Format, Motion, Source};
 use pyo3::prelude::*;
 
-use crate::error::{SceneError, refused};
+use crate::error::{SceneError, error_of, refused};
 use crate::mesh::indices;
 use crate::read;
 use crate::toolbox;
@@ -46,12 +46,12 @@ fn drawn<T>(
 ) -> PyResult<T> {
     let mut other = None;
     let found = read(&mut |name, text| {
-        drawing(name, text).map_err(|error| {
-            let reason = error.value(py).to_string();
-            if !error.is_instance_of::<SceneError>(py) {
-                other = Some(error);
+        drawing(name, text).map_err(|exception| {
+            let error = error_of(exception.value(py)).unwrap_or_else(|_| midair::Error::stopped());
+            if !exception.is_instance_of::<SceneError>(py) {
+                other = Some(exception);
             }
-            reason
+            error
         })
     });
     other.map_or_else(|| found.map_err(refused), Err)

@@ -89,11 +89,9 @@ impl Solve for Function {
             self.raised.keep(error);
             Error::invalid("solver", &self.name, "it raised an exception")
         })?;
-        Solution::checked(problem, drive, work, control).map_err(|error| match error {
-            Error::Invalid { item, value, cure } => {
-                Error::Invalid { item: format!("{item} by {}", self.name), value, cure }
-            }
-            other => other,
+        Solution::checked(problem, drive, work, control).map_err(|error| {
+            let item = format!("{} by {}", error.item, self.name);
+            if error.is_stop() { error } else { error.about(item) }
         })
     }
 

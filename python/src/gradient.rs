@@ -10,8 +10,7 @@ use crate::ctrl_c::attend;
 use crate::error::{invalid, refused, warn_all};
 use crate::give::fresh;
 use crate::limits;
-use crate::numbers::{NUMBER, REAL};
-use crate::numbers::{Numbers, numbers, reported};
+use crate::numbers::{NUMBER, Numbers, REAL, misshapen, numbers};
 use crate::read;
 use crate::solution::{Solution, about, played};
 
@@ -56,7 +55,7 @@ fn cotangent(quantity: Quantity, value: &Bound<'_, PyAny>, count: usize) -> PyRe
             let values = match shape[..] {
                 [] => values.repeat(count),
                 [length] if length == count => values,
-                _ => return Err(invalid("cotangent", &reported(&shape), &cure)),
+                _ => return Err(misshapen("cotangent", &shape, &cure)),
             };
             Ok(values.iter().flat_map(|w| [w.re, w.im]).collect())
         }
@@ -67,7 +66,7 @@ fn cotangent(quantity: Quantity, value: &Bound<'_, PyAny>, count: usize) -> PyRe
             match shape[..] {
                 [] => Ok(values.repeat(3 * count)),
                 [length, 3] if length == count => Ok(values),
-                _ => Err(invalid("cotangent", &reported(&shape), &cure)),
+                _ => Err(misshapen("cotangent", &shape, &cure)),
             }
         }
     }

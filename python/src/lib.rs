@@ -73,7 +73,7 @@ mod _midair {
     #[pymodule_export]
     use super::codec::Codec;
     #[pymodule_export]
-    use super::error::{SceneError, SceneWarning};
+    use super::error::{SceneError, SceneWarning, restated, stated, unknown_name};
     #[pymodule_export]
     use super::field::{Field, field};
     #[pymodule_export]
@@ -95,7 +95,7 @@ mod _midair {
     #[pymodule_export]
     use super::motion::read_motion;
     #[pymodule_export]
-    use super::names::{preset_name, solver_name, unknown};
+    use super::names::{nearest, preset_name, solver_name};
     #[pymodule_export]
     use super::numbers::checked;
     #[pymodule_export]
@@ -154,6 +154,7 @@ mod _midair {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         super::bodies::add_bodies(module)?;
+        super::error::add_parts(module.py())?;
         module.py().import("numpy")?;
         PyArray1::<f64>::zeros(module.py(), 0, false);
         Ok(())

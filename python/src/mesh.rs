@@ -10,11 +10,11 @@ use pyo3::types::PyBytes;
 
 use crate::bodies::surface;
 use crate::ctrl_c::attend;
-use crate::error::{invalid, refused};
+use crate::error::refused;
 use crate::getters::getters;
 use crate::give::rows;
 use crate::limits;
-use crate::numbers::{Numbers, numbers, reported};
+use crate::numbers::{Numbers, misshapen, numbers};
 use crate::pickle::{Reduced, restored};
 use crate::read;
 use crate::toolbox;
@@ -172,7 +172,7 @@ pub(crate) fn indices(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
                 .map(|face| face.map(|v| if v < 0.0 { u32::MAX } else { v as u32 }))
                 .collect())
         }
-        _ => Err(invalid(item, &reported(&shape), cure)),
+        _ => Err(misshapen(item, &shape, cure)),
     }
 }
 

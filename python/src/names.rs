@@ -19,12 +19,10 @@ pub(crate) fn preset_name(name: &str) -> PyResult<&'static str> {
     Ok(presets::find(name).map_err(refused)?.name)
 }
 
-/// Returns a hint at the known name that was probably meant, or "", and the text of the error about an unknown name.
+/// Returns the known name that was probably meant, or "".
 #[pyfunction]
-pub(crate) fn unknown(kind: &str, name: &str, known: Vec<String>) -> (String, String) {
-    let error = Error::unknown(kind, name, known.iter().map(String::as_str));
-    let hint = if let Error::Unknown { hint, .. } = &error { hint.clone() } else { String::new() };
-    (hint, error.to_string())
+pub(crate) fn nearest(name: &str, known: Vec<String>) -> String {
+    Error::unknown("", name, known.iter().map(String::as_str)).other.clone()
 }
 
 /// Makes the error about an unknown keyword of `Solver.__call__`. The Python package wraps all other functions for this

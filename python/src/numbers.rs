@@ -1,6 +1,6 @@
 //! Reads arrays of numbers in any memory layout as copies in C order. Rejects values that NumPy would convert wrongly.
 
-use midair::Complex64;
+use midair::{Complex64, ErrorCode};
 use numpy::ndarray::{Dimension, IxDyn};
 use numpy::{
     Element, PyArray, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArray, PyUntypedArray,
@@ -10,7 +10,7 @@ use pyo3::exceptions::{PyException, PyRecursionError};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyBool, PyFloat, PyInt, PyList, PyTuple};
 
-use crate::error::invalid;
+use crate::error::{coded, invalid};
 use crate::give;
 
 /// Largest number of dimensions of an argument: (B, M, 3).
@@ -46,6 +46,11 @@ pub(crate) fn reported(shape: &[usize]) -> String {
     format!("of shape ({}{})", sizes.join(", "), if sizes.len() == 1 { "," } else { "" })
 }
 
+/// The error for an argument of another shape.
+pub(crate) fn misshapen(item: &str, shape: &[usize], cure: &str) -> PyErr {
+    coded(ErrorCode::Shape, item, &reported(shape), cure)
+}
+
 /// Reads the numbers of an argument whose type is one of `kinds` (NumPy's letters).
 pub(crate) fn numbers<T: Element + Copy>(
     item: &str,
@@ -63,7 +68,7 @@ pub(crate) fn array<'py>(
     kinds: &str,
     cure: &str,
 ) -> PyResult<(Bound<'py, PyAny>, char)> {
-    let refusal = || invalid(item, &quoted(value), cure);
+    let refusal = || coded(ErrorCode::Type, item, &quoted(value), cure);
     let array = if value.is_exact_instance_of::<PyUntypedArray>() {
         value.clone()
     } else {
@@ -85,7 +90,7 @@ pub(crate) fn array<'py>(
     // The values of an array of another type are right, but not their type.
     let foreign = kind != 'O' && !value.is_instance_of::<PyList>() && !value.is_instance_of::<PyTuple>();
     if foreign && array.getattr("ndim")?.is_truthy()? {
-        return Err(invalid(item, &format!("of dtype {own}"), cure));
+        return Err(coded(ErrorCode::Type, item, &format!("of dtype {own}"), cure));
     }
     Err(refusal())
 }
@@ -134,7 +139,7 @@ pub(crate) fn checked<'py>(
     let size = |(&own, &size): (&usize, &isize)| own == size.unsigned_abs() || size < 0 && own > size.unsigned_abs();
     let fits = |wanted: &Vec<isize>| wanted.len() == shape.len() && shape.iter().zip(wanted).all(size);
     if shapes.is_some_and(|shapes| !shapes.iter().any(fits)) {
-        return Err(invalid(item, &reported(shape), cure));
+        return Err(misshapen(item, shape, cure));
     }
     match kind {
         _ if !copy => Ok(array),
@@ -156,9 +161,10 @@ impl<T: Element> Numbers<T> {
         [least, most]: [Option<f64>; 2],
         of: impl Fn(&T) -> (f64, f64),
     ) -> PyResult<Bound<'py, PyAny>> {
-        let wrong = self.values.iter().map(of).position(|(x, modulus)| {
+        let wrong = self.values.iter().map(&of).position(|(x, modulus)| {
             !modulus.is_finite() || least.is_some_and(|least| x < least) || most.is_some_and(|most| modulus > most)
         });
+        let finite = wrong.is_none_or(|wrong| of(&self.values[wrong]).1.is_finite());
         let array = give::list(py, self.values).reshape(&self.shape[..])?;
         let Some(wrong) = wrong else { return Ok(array.into_any()) };
         let (mut left, mut place) = (wrong, Vec::new());
@@ -174,7 +180,9 @@ impl<T: Element> Numbers<T> {
             (None, Some(most)) => format!("give numbers of at most {most} in modulus"),
             (Some(least), Some(most)) => format!("give numbers from {least} to {most}"),
         };
-        Err(invalid(&item, &quoted(&array.call_method1("item", (wrong,))?), &cure))
+        let value = quoted(&array.call_method1("item", (wrong,))?);
+        let code = if finite { ErrorCode::OutOfRange } else { ErrorCode::NotFinite };
+        Err(coded(code, &item, &value, &cure))
     }
 }
 

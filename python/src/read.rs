@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
 
 use crate::error::{invalid, refused};
-use crate::numbers::{NUMBER, Numbers, REAL, array, numbers, quoted, reported};
+use crate::numbers::{NUMBER, Numbers, REAL, array, misshapen, numbers, quoted, reported};
 
 /// Reads the number of boards along x and y; one by default.
 pub(crate) fn tiles(value: Option<&Bound<'_, PyAny>>) -> PyResult<[usize; 2]> {
@@ -25,7 +25,7 @@ pub(crate) fn vectors(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64
     match shape[..] {
         _ if values.is_empty() => Ok(Vec::new()),
         [_, 3] => Ok(values.as_chunks().0.to_vec()),
-        _ => Err(invalid(item, &reported(&shape), cure)),
+        _ => Err(misshapen(item, &shape, cure)),
     }
 }
 
@@ -35,7 +35,7 @@ pub(crate) fn place(item: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> 
     let Numbers { values, shape } = numbers(item, value, REAL, cure)?;
     match (values.first_chunk(), &shape[..]) {
         (Some(place), [3]) => Ok(*place),
-        _ => Err(invalid(item, &reported(&shape), cure)),
+        _ => Err(misshapen(item, &shape, cure)),
     }
 }
 
@@ -61,7 +61,7 @@ fn for_all<T: Copy>(item: &str, numbers: Numbers<T>, count: usize, cure: &str) -
     match shape[..] {
         [] => Ok(values.repeat(count)),
         [length] if length == count => Ok(values),
-        _ => Err(invalid(item, &reported(&shape), cure)),
+        _ => Err(misshapen(item, &shape, cure)),
     }
 }
 
@@ -71,7 +71,7 @@ pub(crate) fn real(item: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     let Numbers { values, shape } = numbers(item, value, REAL, cure)?;
     match (&values[..], &shape[..]) {
         (&[value], []) => Ok(value),
-        _ => Err(invalid(item, &reported(&shape), cure)),
+        _ => Err(misshapen(item, &shape, cure)),
     }
 }
 
@@ -106,7 +106,7 @@ pub(crate) fn batch_of_points(item: &str, value: &Bound<'_, PyAny>) -> PyResult<
     let Numbers { values, shape } = numbers(item, value, REAL, cure)?;
     match shape[..] {
         [count, size, 3] if count * size > 0 => Ok((values.as_chunks().0.to_vec(), [count, size])),
-        _ => Err(invalid(item, &reported(&shape), cure)),
+        _ => Err(misshapen(item, &shape, cure)),
     }
 }
 
@@ -117,7 +117,7 @@ pub(crate) fn batch_size(item: &str, value: Option<&Bound<'_, PyAny>>, size: usi
     let shape = numbers::<Complex64>(item, value, NUMBER, &cure)?.shape;
     match shape[..] {
         [count, columns] if columns == size && count > 0 => Ok(count),
-        _ => Err(invalid(item, &reported(&shape), &cure)),
+        _ => Err(misshapen(item, &shape, &cure)),
     }
 }
 
@@ -145,7 +145,7 @@ fn for_each<T: Copy>(item: &str, numbers: Numbers<T>, size: [usize; 2], cure: &s
         [] => Ok(values.repeat(size[0] * size[1])),
         [length] if length == size[1] => Ok(values.repeat(size[0])),
         _ if shape == size => Ok(values),
-        _ => Err(invalid(item, &reported(&shape), cure)),
+        _ => Err(misshapen(item, &shape, cure)),
     }
 }
 
@@ -163,7 +163,7 @@ pub(crate) fn batch_of_starts(
     }
     let Numbers { values, shape } = Numbers::of(&array)?;
     if shape != drives {
-        return Err(invalid(item, &reported(&shape), &cure));
+        return Err(misshapen(item, &shape, &cure));
     }
     Ok(Starts::Drives(rounded(&values)))
 }
@@ -178,7 +178,7 @@ pub(crate) fn batch_of_drives(
     let Numbers { values, shape } = numbers(item, value, NUMBER, &cure)?;
     match shape[..] {
         [count, columns] if columns == transducers => Ok((rounded(&values), count)),
-        _ => Err(invalid(item, &reported(&shape), &cure)),
+        _ => Err(misshapen(item, &shape, &cure)),
     }
 }
 
@@ -225,7 +225,7 @@ pub(crate) fn reals(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> 
 /// Reads values of shape (K,).
 fn one_each<T: Element + Copy>(item: &str, value: &Bound<'_, PyAny>, kinds: &str, cure: &str) -> PyResult<Vec<T>> {
     let Numbers { values, shape } = numbers(item, value, kinds, cure)?;
-    if shape.len() == 1 { Ok(values) } else { Err(invalid(item, &reported(&shape), cure)) }
+    if shape.len() == 1 { Ok(values) } else { Err(misshapen(item, &shape, cure)) }
 }
 
 /// Rounds to single precision. NumPy would warn of values too large for it; here they become infinite, and are rejected by
@@ -240,7 +240,7 @@ pub(crate) fn matrix(item: &str, value: &Bound<'_, PyAny>) -> PyResult<(Vec<Comp
     let Numbers { values, shape } = numbers(item, value, NUMBER, cure)?;
     match shape[..] {
         [points, _] => Ok((values, points)),
-        _ => Err(invalid(item, &reported(&shape), cure)),
+        _ => Err(misshapen(item, &shape, cure)),
     }
 }
 
@@ -300,7 +300,7 @@ fn option(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     let Numbers { values, shape } = numbers(item, value, "iu", cure)?;
     match shape[..] {
         [_] => Ok(Value::Integers(values)),
-        _ => Err(invalid(item, &reported(&shape), cure)),
+        _ => Err(misshapen(item, &shape, cure)),
     }
 }
 

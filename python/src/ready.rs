@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use midair::{Doubt, Extras, Medium, Model, Obstacle, Workspace};
+use midair::{Extras, Medium, Model, Notice, Obstacle, Workspace};
 use pyo3::prelude::*;
 
 use crate::error::refused;
@@ -16,7 +16,7 @@ const MOST_KEPT: usize = 32 << 20;
 /// An array prepared for a medium, and probable mistakes in them. Preparing takes time O(N) or more, a scene only O(M).
 pub(crate) struct Ready {
     pub(crate) model: Model,
-    pub(crate) doubts: Vec<Doubt>,
+    pub(crate) doubts: Vec<Notice>,
     /// The last obstacles and the model with them: computing what they reflect takes long.
     behind: Mutex<Option<(Vec<Obstacle>, Model)>>,
     /// Workspace of the last solve.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use midair::files::{Format, Provenance};
-use midair::{Bead, Complex32, Control, Doubt, Extras, Medium, Request};
+use midair::{Bead, Complex32, Control, Extras, Medium, Notice, Request};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -136,7 +136,7 @@ impl Scene {
     }
 
     /// Returns the scene after warnings about probable mistakes, without those that are already known.
-    pub(crate) fn reported(self, py: Python<'_>, known: &[Doubt]) -> PyResult<Self> {
+    pub(crate) fn reported(self, py: Python<'_>, known: &[Notice]) -> PyResult<Self> {
         warn_all(py, self.doubts().iter().filter(|doubt| !known.contains(doubt)))?;
         Ok(self)
     }
@@ -151,7 +151,7 @@ impl Scene {
         self.model.clone()
     }
 
-    pub(crate) fn doubts(&self) -> Vec<Doubt> {
+    pub(crate) fn doubts(&self) -> Vec<Notice> {
         self.ready.doubts.iter().cloned().chain(self.inner.own_doubts()).collect()
     }
 }

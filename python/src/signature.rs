@@ -6,8 +6,7 @@ use pyo3::types::{PyList, PyString};
 
 use crate::error::{invalid, refused};
 use crate::give;
-use crate::numbers::NUMBER;
-use crate::numbers::{Numbers, numbers, quoted, reported};
+use crate::numbers::{NUMBER, Numbers, misshapen, numbers, quoted};
 
 /// Reads a signature: a name, a list with a name or None for each point, or factors (N,) or (M, N) for N `transducers`.
 pub(crate) fn read_signature(value: &Bound<'_, PyAny>, transducers: usize) -> PyResult<Signature> {
@@ -28,7 +27,7 @@ pub(crate) fn read_signature(value: &Bound<'_, PyAny>, transducers: usize) -> Py
     let cure = "give \"trap\", \"twin\", \"vortex\" or complex factors of shape (N,) or (M, N)";
     let Numbers { values, shape } = numbers::<Complex64>("signature", value, NUMBER, cure)?;
     if shape.len() > 2 || shape.last() != Some(&transducers) {
-        return Err(invalid("signature", &reported(&shape), cure));
+        return Err(misshapen("signature", &shape, cure));
     }
     Ok(Signature::Given(values.into()))
 }

@@ -5,7 +5,7 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::error::refused;
+use crate::error::{error_of, refused};
 
 /// Returns the tables in a sweep file's text; `name` is its name in errors.
 #[pyfunction]
@@ -14,11 +14,20 @@ pub(crate) fn read_sweep<'py>(py: Python<'py>, text: &[u8], name: &str) -> PyRes
     value(py, &tables.map_err(refused)?)
 }
 
-/// Returns the error about a value in a text, with its line if that can be found.
+/// Returns the SceneError about a value in a text with its line; None if the text has no such value.
+///
+/// Parameters
+/// ----------
+/// error : midair.SceneError
+///
+/// Returns
+/// -------
+/// midair.SceneError or None
 #[pyfunction]
-pub(crate) fn placed(text: &[u8], name: &str, refusal: &str) -> String {
-    let found = files::placed(text, Format::of_document(name, text), Source { name, folder: None }, refusal);
-    found.map_or_else(|| refusal.to_owned(), |error| error.to_string())
+pub(crate) fn placed(text: &[u8], name: &str, error: &Bound<'_, PyAny>) -> PyResult<Option<Py<PyAny>>> {
+    let source = Source { name, folder: None };
+    let found = files::placed(text, Format::of_document(name, text), source, &error_of(error)?);
+    Ok(found.map(|found| refused(found).into_value(error.py()).into_any()))
 }
 
 fn value<'py>(py: Python<'py>, node: &Node) -> PyResult<Bound<'py, PyAny>> {

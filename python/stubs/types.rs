@@ -127,9 +127,13 @@ fn section<'a>(doc: &'a str, title: &str) -> Vec<&'a str> {
     (first + 2..lines.len()).take_while(|&k| !is_rule(k + 1)).map(|k| lines[k]).collect()
 }
 
-/// Returns the parameters in a docstring: the name of each, and its type if it is stated.
 fn parameters(doc: &str) -> Vec<(String, Option<String>)> {
-    let lines = section(doc, "Parameters").into_iter().filter(|line| !line.starts_with(' '));
+    entries(doc, "Parameters")
+}
+
+/// Returns the names in a section of a docstring, each with its type if it is stated.
+pub(crate) fn entries(doc: &str, title: &str) -> Vec<(String, Option<String>)> {
+    let lines = section(doc, title).into_iter().filter(|line| !line.starts_with(' '));
     let each = lines.flat_map(|line| {
         let (names, kind) = line.split_once(" : ").unwrap_or((line, ""));
         names.split(", ").map(move |name| (name.to_owned(), documented(kind)))

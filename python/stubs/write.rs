@@ -6,7 +6,7 @@ use syn::parse::{ParseStream, Parser};
 use syn::{Ident, LitStr, Token};
 
 use crate::source::{Argument, Class, Function, Passing, Property, Source};
-use crate::types::Types;
+use crate::types::{Types, entries};
 
 const HEAD: &str = r#""""The compiled core. Made by python/stubs at each build."""
 
@@ -89,6 +89,9 @@ impl Writer<'_> {
             } else if let Some(exception) = source.exceptions.get(name) {
                 write!(self.text, "\nclass {name}({}):", exception.base).unwrap();
                 self.doc(&exception.doc, 1);
+                for (name, kind) in entries(&exception.doc, "Attributes") {
+                    writeln!(self.text, "    {name}: {}", kind.unwrap_or_else(|| "Any".into())).unwrap();
+                }
             } else {
                 self.function(&source.functions[name], "");
             }

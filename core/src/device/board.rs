@@ -91,7 +91,7 @@ impl Board {
         let most = format.channels * format.most_boards;
         if count > most {
             let cure = format!("{} has {most}: wire more transducers together", format.name);
-            return Err(Error::invalid("array.channels", format!("{count} of them"), cure));
+            return Err(Error::shape("array.channels", format!("{count} of them"), cure));
         }
         Ok(Self { wiring: Some(channels.clone()), ..Self::new(name, count)? })
     }
@@ -293,7 +293,7 @@ impl Board {
         let drive = &*self.drives(drive)?;
         if frame.len() != self.frame_size() {
             let cure = format!("give room for {}", self.frame_size());
-            return Err(Error::invalid("frame", format!("{} bytes", frame.len()), cure));
+            return Err(Error::shape("frame", format!("{} bytes", frame.len()), cure));
         }
         (self.format.encode)(self.boards, &|channel| self.code(drive, channel), frame);
         Ok(())
@@ -356,7 +356,7 @@ impl Board {
         let fits = |q: &Complex32| q.norm_sqr() <= 1.0 || (q.is_finite() && math::modulus(*q) <= 1.0 + SLACK);
         if let Some(i) = drive.iter().position(|q| !fits(q)) {
             let value = format!("{} + {}j", drive[i].re, drive[i].im);
-            return Err(Error::invalid(format!("drive[{i}]"), value, "give finite drives of at most 1"));
+            return Err(Error::out_of_range(format!("drive[{i}]"), value, "give finite drives of at most 1"));
         }
         self.wiring.as_ref().map_or(Ok(Cow::Borrowed(drive)), |wiring| wiring.drives(drive).map(Cow::Owned))
     }

@@ -139,6 +139,6 @@ impl<'a> Reader<'a> {
             return Ok(());
         }
         let cure = format!("it ends after {} bytes: give one frame", self.at);
-        Err(Error::invalid("frame", format!("{} bytes", self.frame.len()), cure))
+        Err(Error::shape("frame", format!("{} bytes", self.frame.len()), cure))
     }
 }

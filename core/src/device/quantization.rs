@@ -119,7 +119,7 @@ impl Quantization {
         }
         match (amplitudes, self.amplitudes()) {
             (Some(given), Some(own)) if !same(own, given) => {
-                Err(Error::invalid("array.quantization.amplitudes", format!("{} of them", given.len()), cure))
+                Err(Error::shape("array.quantization.amplitudes", format!("{} of them", given.len()), cure))
             }
             _ => Ok(self),
         }
@@ -216,7 +216,7 @@ fn check_table(table: &[f64]) -> Result<(), Error> {
     let item = "array.quantization.amplitudes";
     if table.is_empty() || table.len() > MOST_AMPLITUDES {
         let cure = format!("give 1 to {MOST_AMPLITUDES}, or leave them out");
-        return Err(Error::invalid(item, format!("{} values", table.len()), cure));
+        return Err(Error::shape(item, format!("{} values", table.len()), cure));
     }
     for (k, &amplitude) in table.iter().enumerate() {
         let fault = |cure: &str| Error::invalid(format!("{item}[{k}]"), format!("{amplitude:?}"), cure);

@@ -4,7 +4,7 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use crate::error::{Error, one_line};
+use crate::error::{Error, ErrorCode, Notice, one_line};
 
 /// The columns that a kind of file may have.
 #[derive(Clone, Copy, Debug)]
@@ -46,8 +46,8 @@ pub struct Table {
 pub fn read_table(bytes: &[u8], name: &str, columns: Columns<'_>) -> Result<Table, Error> {
     let Ok(text) = core::str::from_utf8(bytes) else {
         let (row, units) = (columns.choices[0].join(","), columns.units);
-        let reason = format!("not text: give rows of {row} {units}, for example {}", columns.example);
-        return Err(fault(name, None, &reason));
+        let cure = format!("give rows of {row} {units}, for example {}", columns.example);
+        return Err(fault(name, None, unreadable("", "not text", cure)));
     };
     let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n");
     let mut table = Table::default();
@@ -57,13 +57,15 @@ pub fn read_table(bytes: &[u8], name: &str, columns: Columns<'_>) -> Result<Tabl
         if line.trim().is_empty() || line.trim_start().starts_with('#') {
             continue;
         }
-        let refused =
-            |reason: &str| fault(name, Some(index + 1), &format!("{reason}, for example {}", columns.example));
+        let refused = |mut error: Error| {
+            error.cure = format!("{}, for example {}", error.cure, columns.example);
+            fault(name, Some(index + 1), error)
+        };
         let cells = cells(line);
         if chosen.is_none() {
             let header = cells[0].parse::<f64>().is_err();
             let found = if header { columns.named(&cells) } else { columns.counted(cells.len()) };
-            chosen = Some(found.map_err(|reason| refused(&reason))?);
+            chosen = Some(found.map_err(refused)?);
             if header {
                 continue;
             }
@@ -71,15 +73,15 @@ pub fn read_table(bytes: &[u8], name: &str, columns: Columns<'_>) -> Result<Tabl
         let number = |(name, column): &(&str, usize)| {
             let cell = cells.get(*column).copied().unwrap_or_default();
             let number = cell.parse::<f64>().ok().filter(|number| number.is_finite());
-            number.ok_or_else(|| refused(&format!("{name} is \"{cell}\": give a number")))
+            number.ok_or_else(|| refused(unreadable(name, &format!("\"{cell}\""), "give a number".into())))
         };
         table.rows.push(chosen.iter().flatten().map(number).collect::<Result<_, _>>()?);
         table.lines.push(index + 1);
     }
     if table.rows.is_empty() {
         let row = columns.choices[0].join(",");
-        let reason = format!("empty: give rows {row} {}, for example {}", columns.units, columns.example);
-        return Err(fault(name, None, &reason));
+        let cure = format!("give rows {row} {}, for example {}", columns.units, columns.example);
+        return Err(fault(name, None, unreadable("", "empty", cure)));
     }
     Ok(table)
 }
@@ -93,14 +95,15 @@ impl<'a> Columns<'a> {
     }
 
     /// The columns of a table without names, by their number.
-    fn counted(&self, count: usize) -> Result<Chosen<'a>, String> {
+    fn counted(&self, count: usize) -> Result<Chosen<'a>, Error> {
         let fits = self.choices.iter().find(|names| names.len() == count);
         let fits = fits.map(|names| names.iter().copied().zip(0..).collect());
-        fits.ok_or_else(|| format!("{count} columns: give {} {}", self.or(), self.units))
+        let cure = || format!("give {} {}", self.or(), self.units);
+        fits.ok_or_else(|| unreadable("", &format!("{count} columns"), cure()))
     }
 
     /// The columns of a table whose first row is `cells`, a row of names.
-    fn named(&self, cells: &[&str]) -> Result<Chosen<'a>, String> {
+    fn named(&self, cells: &[&str]) -> Result<Chosen<'a>, Error> {
         let places =
             |name: &str| (0..cells.len()).filter(|&at| cells[at].eq_ignore_ascii_case(name)).collect::<Vec<_>>();
         // Whether the first row contains a name that no shorter list of names has. Lists are tried from the longest
@@ -115,10 +118,14 @@ impl<'a> Columns<'a> {
         let names = self.choices.iter().rev().find(begun).unwrap_or(&self.choices[0]);
         let mut chosen = Vec::new();
         for &name in *names {
+            let cure = || format!("name them {}, {}", self.or(), self.units);
             match places(name).as_slice() {
-                [] => return Err(format!("columns are {}: name them {}, {}", cells.join(", "), self.or(), self.units)),
+                [] => {
+                    let error = Notice::new(ErrorCode::Unreadable, "columns", cells.join(", "), cure());
+                    return Err(Error::of(error.verb("are")));
+                }
                 [place] => chosen.push((name, *place)),
-                _ => return Err(format!("column \"{name}\" is there twice: name them {}, {}", self.or(), self.units)),
+                _ => return Err(unreadable(&format!("column \"{name}\""), "there twice", cure())),
             }
         }
         Ok(chosen)
@@ -130,7 +137,12 @@ fn cells(line: &str) -> Vec<&str> {
     line.split(separator).map(|cell| cell.trim().trim_matches('"').trim()).collect()
 }
 
-pub(super) fn fault(name: &str, line: Option<usize>, reason: &str) -> Error {
+/// Returns an error in a file, in a line of it if that is known.
+pub(super) fn fault(name: &str, line: Option<usize>, error: Error) -> Error {
     let place = line.map_or_else(|| name.to_string(), |line| format!("{name}, line {line}"));
-    Error::File { place: one_line(&place), reason: one_line(reason) }
+    error.inside(one_line(&place))
+}
+
+pub(super) fn unreadable(item: &str, value: &str, cure: String) -> Error {
+    Error::unreadable(item, value, cure)
 }

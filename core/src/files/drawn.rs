@@ -6,6 +6,7 @@ use alloc::string::String;
 use alloc::vec;
 use alloc::vec::Vec;
 
+use crate::error::Error;
 use crate::files::fault::Fault;
 use crate::files::item::{Item, Table};
 use crate::files::node::Node;
@@ -28,9 +29,8 @@ pub enum Drawing {
 /// `obstacles` or `motion.path`. Its second argument contains the table's keys as TOML. For a motion from a file, the
 /// arguments are `motion.file` and the name of the file.
 ///
-/// An error is one line, such as `radius is -0.03: give a number above 0`. If it begins with a key, the place of that
-/// key in the document is added.
-pub type Draw<'a> = dyn FnMut(&str, &str) -> Result<Drawing, String> + 'a;
+/// If the item of an error is a key of the table, the place of that key in the document is added.
+pub type Draw<'a> = dyn FnMut(&str, &str) -> Result<Drawing, Error> + 'a;
 
 /// The tables with points. Their points follow those of `points` in this order.
 const NAMES: [&str; 2] = ["shape", "image"];
@@ -43,9 +43,9 @@ pub(super) struct Drawn {
 }
 
 /// The drawing function of callers that cannot draw: always an error.
-pub(super) fn undrawn(_name: &str, _text: &str) -> Result<Drawing, String> {
-    Err("midair's Python package draws it: load the file there and save the scene, which lists what it stands for"
-        .into())
+pub(super) fn undrawn(_name: &str, _text: &str) -> Result<Drawing, Error> {
+    let cure = "load the file there and save the scene, which lists what it stands for";
+    Err(Error::missing("", "midair's Python package draws it", cure))
 }
 
 /// The tables in a document that may need a drawing function: shapes, images and obstacles.
@@ -99,5 +99,5 @@ fn one(name: &str, item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Drawing, Faul
     }
     let mut text = String::new();
     write::toml("", item.node, &mut text).ok_or_else(|| item.refused("give numbers, words and lists of them"))?;
-    draw(name, &text).map_err(|refusal| item.reported(&refusal))
+    draw(name, &text).map_err(|error| item.reported(error))
 }

@@ -51,13 +51,15 @@ pub fn read_drive(bytes: &[u8], name: &str) -> Result<Vec<Complex32>, Error> {
     let table = csv::read_table(bytes, name, COLUMNS)?;
     let rows = table.lines.into_iter().zip(table.rows).enumerate();
     rows.map(|(index, (line, row))| {
-        let refused = |reason: &str| Err(csv::fault(name, Some(line), reason));
-        let [.., amplitude, phase] = row[..] else { return refused("give index,amplitude,phase") };
+        let refused = |item: &str, value: f64, cure: String| {
+            Err(csv::fault(name, Some(line), csv::unreadable(item, &value.to_string(), cure)))
+        };
+        let [.., amplitude, phase] = row[..] else { return refused("row", 0.0, "give index,amplitude,phase".into()) };
         if row.len() == 3 && row[0] != index as f64 {
-            return refused(&format!("index is {}: give {index}, a row for every transducer", row[0]));
+            return refused("index", row[0], format!("give {index}, a row for every transducer"));
         }
         if !(0.0..=1.0 + ROUNDING).contains(&amplitude) {
-            return refused(&format!("amplitude is {amplitude}: give 0 to 1"));
+            return refused("amplitude", amplitude, "give 0 to 1".into());
         }
         let q = math::phasor(phase) * amplitude;
         Ok(Complex32::new(q.re as f32, q.im as f32))

@@ -1,6 +1,5 @@
 //! Fault: an error in a document, reported with the document's name, the line and column, and a correct line as an example.
 
-use alloc::boxed::Box;
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -12,7 +11,7 @@ use crate::solvers::{Entry, SOLVERS};
 
 /// An error, and the item of the document that caused it.
 pub(super) struct Fault {
-    error: Box<Error>,
+    error: Error,
     at: At,
 }
 
@@ -27,39 +26,41 @@ enum At {
 
 impl From<Error> for Fault {
     fn from(error: Error) -> Self {
-        Self { error: Box::new(error), at: At::Own }
+        Self { error, at: At::Own }
     }
 }
 
 impl Fault {
     /// Returns an error about the value at a path.
     pub(super) fn at(path: impl Into<String>, error: Error) -> Self {
-        Self { error: Box::new(error), at: At::Value(path.into()) }
+        Self { error, at: At::Value(path.into()) }
     }
 
     /// Returns an error about a key of the table at a path.
     pub(super) fn key(table: impl Into<String>, key: impl Into<String>, error: Error) -> Self {
-        Self { error: Box::new(error), at: At::Key(table.into(), key.into()) }
+        Self { error, at: At::Key(table.into(), key.into()) }
     }
 
     /// Returns the complete error: `bowl.toml, line 12, column 12: points[1].pressure is "loud": give a number; for example
     /// pressure = 500.0`.
     pub(super) fn reported(self, text: &str, format: Format, source: Source<'_>) -> Error {
-        let (offset, example) = match (&self.at, &*self.error) {
-            (_, Error::File { .. }) => return *self.error,
-            (At::Key(table, key), _) => {
+        let mut error = self.error;
+        if !error.place.is_empty() {
+            return error;
+        }
+        let (offset, example) = match &self.at {
+            At::Key(table, key) => {
                 (Some(place::find_key(text, format, table, key)), example_of_key(table, key, format))
             }
-            (At::Value(path), _) => (Some(place::find(text, format, path)), example(path, format)),
-            (At::Own, Error::Invalid { item, .. }) => {
-                let path = in_document(text, format, item);
+            At::Value(path) => (Some(place::find(text, format, path)), example(path, format)),
+            At::Own => {
+                let path = in_document(text, format, &error.item);
                 let offset = path.as_ref().map(|path| place::find(text, format, path));
                 (offset, path.and_then(|path| example(&path, format)))
             }
-            (At::Own, _) => (None, None),
         };
-        let example = example.map_or_else(String::new, |line| format!("; for example {line}"));
-        source.fault(offset.map(|offset| (text, offset)), &format!("{}{example}", self.error))
+        error.example = example.unwrap_or_default();
+        source.fault(offset.map(|offset| (text, offset)), error)
     }
 }
 

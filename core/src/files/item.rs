@@ -32,22 +32,19 @@ impl<'a> Item<'a> {
     /// Returns an error about this value.
     pub(super) fn refused(&self, cure: &str) -> Fault {
         let name = if self.path.is_empty() { "the document" } else { &self.path };
-        Fault::at(self.path.as_str(), Error::invalid(name, self.node, cure))
+        Fault::at(self.path.as_str(), Error::wrong_type(name, self.node, cure))
     }
 
     /// Converts an error of the drawing function, such as `radius is -0.03: give a number above 0`, to an error about that key
     /// of this table.
-    pub(super) fn reported(&self, refusal: &str) -> Fault {
-        let parts = refusal.split_once(" is ").and_then(|(key, rest)| Some((key, rest.split_once(": ")?)));
+    pub(super) fn reported(&self, error: Error) -> Fault {
         // A key such as `am.frequency` is one of an inner table.
-        let known = |key: &str| schema::keys(&self.path).any(|known| key.split('.').next() == Some(known));
-        match parts.filter(|(key, _)| known(key)) {
-            Some((key, (value, cure))) => {
-                let path = format!("{}.{key}", self.path);
-                Fault::at(path.as_str(), Error::invalid(path.as_str(), value, cure))
-            }
-            None => self.refused(refusal),
+        let known = schema::keys(&self.path).any(|known| error.item.split('.').next() == Some(known));
+        if !known {
+            return self.refused(&error.to_string());
         }
+        let path = format!("{}.{}", self.path, error.item);
+        Fault::at(path.as_str(), error.about(path.as_str()))
     }
 
     pub(super) fn real(&self) -> Result<f64, Fault> {
@@ -145,8 +142,8 @@ impl<'a> Item<'a> {
             if !known.contains(&key.as_str()) {
                 let kind = if self.path.is_empty() { "key".into() } else { format!("key of {}", self.path) };
                 let mut error = Error::unknown(kind, key, known.iter().copied());
-                if let (Error::Unknown { hint, .. }, Some(now)) = (&mut error, schema::renamed(&self.path, key)) {
-                    *hint = format!("it is called {now}; ");
+                if let Some(now) = schema::renamed(&self.path, key) {
+                    error.hint = format!("it is called {now}; ");
                 }
                 return Err(Fault::key(self.path.as_str(), key, error));
             }
@@ -189,7 +186,7 @@ impl<'a> Table<'a> {
     pub(super) fn need(&self, key: &str) -> Result<Item<'a>, Fault> {
         self.get(key).ok_or_else(|| {
             let path = self.path_of(key);
-            Fault::at(path.as_str(), Error::invalid(path.as_str(), "left out", "give one"))
+            Fault::at(path.as_str(), Error::missing(path.as_str(), "left out", "give one"))
         })
     }
 

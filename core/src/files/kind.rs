@@ -36,5 +36,5 @@ pub(super) fn of<'a>(item: &Item<'a>, kinds: &[Kind], common: &[&str]) -> Result
 
 fn left_out(item: &Item<'_>, key: &str, cure: String) -> Fault {
     let path = format!("{}.{key}", item.path);
-    Fault::at(path.as_str(), Error::invalid(path.as_str(), "left out", cure))
+    Fault::at(path.as_str(), Error::missing(path.as_str(), "left out", cure))
 }

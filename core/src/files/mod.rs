@@ -141,11 +141,10 @@ pub fn read_sweep(bytes: &[u8], format: Format, source: Source<'_>) -> Result<No
 /// Adds the name and place in a document to an error about a value, such as `points.z is -1: give more`. Returns `None` if the
 /// document has no such value.
 #[must_use]
-pub fn placed(bytes: &[u8], format: Format, source: Source<'_>, refusal: &str) -> Option<Error> {
+pub fn placed(bytes: &[u8], format: Format, source: Source<'_>, error: &Error) -> Option<Error> {
     let (text, _) = parse(bytes, format, source).ok()?;
-    let item = refusal.split(" is ").next()?;
-    let at = place::whole(text, format, item)?;
-    Some(source.fault(Some((text, at)), refusal))
+    let at = place::whole(text, format, &error.item)?;
+    Some(source.fault(Some((text, at)), error.clone()))
 }
 
 /// The paths of the files that a document names, in the folder of the document.
@@ -166,17 +165,17 @@ pub fn references(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Ve
 
 /// Checks the bytes of a document and parses them. Returns the text and the tree of values.
 fn parse<'a>(bytes: &'a [u8], format: Format, source: Source<'_>) -> Result<(&'a str, Node), Error> {
-    let fault = |reason: &str| source.fault(None, reason);
+    let fault = |value: &str, cure: &str| source.fault(None, Error::unreadable("", value, cure));
     if bytes.len() > MOST_BYTES {
-        return Err(fault("larger than 64 MB: give fewer points or transducers"));
+        return Err(fault("larger than 64 MB", "give fewer points or transducers"));
     }
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || bytes.iter().take(4).any(|byte| *byte == 0) {
-        return Err(fault("not text in UTF-8 but in UTF-16, or binary: save it as UTF-8"));
+        return Err(fault("not text in UTF-8 but in UTF-16, or binary", "save it as UTF-8"));
     }
     let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
-    let text = core::str::from_utf8(bytes).map_err(|_| fault("not text: give TOML or JSON in UTF-8"))?;
+    let text = core::str::from_utf8(bytes).map_err(|_| fault("not text", "give TOML or JSON in UTF-8"))?;
     if text.trim().is_empty() {
-        return Err(fault("empty: it needs at least [array] and [[points]]; `midair new` writes one to begin with"));
+        return Err(fault("empty", "it needs at least [array] and [[points]]; `midair new` writes one to begin with"));
     }
     let document = match format {
         Format::Toml => toml::read(text),

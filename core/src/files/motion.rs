@@ -57,7 +57,7 @@ fn points(table: &Table<'_>, draw: &mut Draw<'_>) -> Result<Vec<[f64; 3]>, Fault
         (Some(file), None) => match draw("motion.file", file.text()?) {
             Ok(Drawing::Points(points, _)) => Ok(points),
             Ok(Drawing::Mesh(..)) => Err(file.refused("it is drawn as a mesh: points are wanted")),
-            Err(refusal) => Err(file.reported(&refusal)),
+            Err(error) => Err(file.reported(error)),
         },
         (None, Some(path)) => {
             let drawn = drawn::each("motion.path", path, draw)?;
@@ -66,7 +66,7 @@ fn points(table: &Table<'_>, draw: &mut Draw<'_>) -> Result<Vec<[f64; 3]>, Fault
         (Some(file), Some(_)) => Err(file.refused("[[motion.path]] is given, too: give one of them")),
         (None, None) => {
             let cure = "give [[motion.path]] tables, each with a kind, or a file";
-            Err(Fault::at("motion", Error::invalid("motion.path", "left out", cure)))
+            Err(Fault::at("motion", Error::missing("motion.path", "left out", cure)))
         }
     }
 }

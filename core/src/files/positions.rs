@@ -56,7 +56,7 @@ pub(super) fn read(name: &str, source: Source<'_>) -> Result<Positions, Error> {
 /// The errors of [`crate::files::read_table`] and of [`Array::new`].
 pub fn read_array(bytes: &[u8], name: &str) -> Result<Array, Error> {
     let Positions { positions, normals } = positions(bytes, name)?;
-    Array::new(positions, normals).map_err(|error| csv::fault(name, None, &error.to_string()))
+    Array::new(positions, normals).map_err(|error| csv::fault(name, None, error))
 }
 
 fn positions(bytes: &[u8], name: &str) -> Result<Positions, Error> {

@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use num_complex::Complex64;
 
 use crate::device::quantization::Quantization;
-use crate::error::Error;
+use crate::error::{Error, ErrorCode};
 use crate::files::drawn::{Draw, Drawn, drawn, mesh};
 use crate::files::fault::Fault;
 use crate::files::item::{Item, Table};
@@ -85,7 +85,7 @@ fn request(points: &[Point], owners: &[(usize, String)]) -> Result<Request, Faul
         let owner = owners.iter().rev().find(|(first, _)| *first <= without);
         let item = owner.map_or_else(|| format!("points[{without}]"), |(_, path)| path.clone());
         let cure = format!("{given} of {} points have one: give every point a pressure, or none", points.len());
-        return Err(Error::invalid(format!("{item}.pressure"), "left out", cure).into());
+        return Err(Error::missing(format!("{item}.pressure"), "left out", cure).into());
     }
     // If one point has the number (a pressure, phase or weight), the other points get the default.
     let list = |key: usize, default: f64| {
@@ -145,11 +145,8 @@ fn obstacle(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Obstacle, Fault> {
 
 /// Changes an error about a `mesh` to one about this obstacle.
 fn of_obstacle(error: Error, item: &Item<'_>) -> Fault {
-    let error = match error {
-        Error::Invalid { item: name, value, cure } => Error::invalid(name.replacen("mesh", &item.path, 1), value, cure),
-        other => other,
-    };
-    Fault::at(item.path.as_str(), error)
+    let own = error.item.replacen("mesh", &item.path, 1);
+    Fault::at(item.path.as_str(), error.about(own))
 }
 
 /// Reads three indices of vertices.
@@ -186,7 +183,7 @@ fn array(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {
     for (key, with) in [("tiles", "preset"), ("normals", "positions")] {
         if has(key) && !has(with) {
             let cure = "tiles go with a preset, normals with positions";
-            return Err(Error::invalid(format!("array.{key}"), "given", cure).into());
+            return Err(Error::conflict(format!("array.{key}"), "given", cure).into());
         }
     }
     let array = if let Some(grid) = table.get("grid") {
@@ -194,9 +191,9 @@ fn array(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {
         Array::grid(grid.need("nx")?.count()?, grid.need("ny")?.count()?, grid.need("pitch")?.real()?)?
     } else if let Some(preset) = table.get("preset") {
         let tiles = table.read("tiles", tiles)?.unwrap_or([1, 1]);
-        Array::preset(preset.text()?, tiles).map_err(|error| match error {
-            Error::Unknown { .. } => Fault::at("array.preset", error),
-            other => other.into(),
+        Array::preset(preset.text()?, tiles).map_err(|error| match error.code {
+            ErrorCode::Unknown => Fault::at("array.preset", error),
+            _ => error.into(),
         })?
     } else {
         placed(table, source)?
@@ -256,9 +253,9 @@ fn directivity(item: &Item<'_>) -> Result<Directivity, Fault> {
         }
         _ => return Err(item.refused("give a name such as \"point\", or a table of one name and its parameter")),
     };
-    named.map_err(|error| match error {
-        Error::Unknown { .. } => Fault::at(item.path.as_str(), error),
-        other => other.into(),
+    named.map_err(|error| match error.code {
+        ErrorCode::Unknown => Fault::at(item.path.as_str(), error),
+        _ => error.into(),
     })
 }
 
@@ -284,9 +281,9 @@ fn choice(table: &Table<'_>, board: Option<&Quantization>) -> Result<Choice, Fau
     }
     let mut choice = Choice::new(entry.info.name.into(), options)?;
     choice.options = entry.spelled(&choice.options)?;
-    registry::configure(&choice, board).map_err(|error| match error {
-        Error::Unknown { ref name, .. } => Fault::key("solver", name.clone(), error),
-        other => other.into(),
+    registry::configure(&choice, board).map_err(|error| match error.code {
+        ErrorCode::Unknown => Fault::key("solver", error.value.clone(), error),
+        _ => error.into(),
     })?;
     Ok(choice)
 }

@@ -1,6 +1,5 @@
 //! Tables `[shape]`: converts lines, circles and polylines to points. The caller draws texts and drawings.
 
-use alloc::string::ToString;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -37,7 +36,7 @@ pub(super) fn shape(item: &Item<'_>) -> Result<Option<Made>, Fault> {
         _ => return Ok(None),
     };
     let step = table.read("step", Item::real)?.unwrap_or(STEP);
-    let points = curve.and_then(|curve| curve.points(step)).map_err(|error| item.reported(&error.to_string()))?;
+    let points = curve.and_then(|curve| curve.points(step)).map_err(|error| item.reported(error))?;
     let all = |key: &str| table.read(key, |value| Ok(vec![value.least_zero()?; points.len()]));
     let request = Request { pressures: all("pressure")?, phases: None, weights: all("weight")? };
     Ok(Some((points, request)))

@@ -1,7 +1,6 @@
 //! Source of a document: its format, its name in error messages, and the folder of the files that it names.
 
 use alloc::format;
-use alloc::string::ToString;
 use std::path::Path;
 
 use crate::error::{Error, one_line};
@@ -61,14 +60,12 @@ impl Default for Source<'_> {
 }
 
 impl Source<'_> {
-    /// Returns an error about the document, with line and column if `at` gives the text and an offset.
-    pub(super) fn fault(self, at: Option<(&str, usize)>, reason: &str) -> Error {
-        let mut place = self.name.to_string();
-        if let Some((text, offset)) = at {
-            let (line, column) = line_and_column(text, offset);
-            place = format!("{place}, line {line}, column {column}");
-        }
-        Error::File { place: one_line(&place), reason: one_line(reason) }
+    /// Returns an error in the document, with its line and column if `at` gives the text and an offset.
+    pub(super) fn fault(self, at: Option<(&str, usize)>, error: Error) -> Error {
+        let place = one_line(self.name);
+        let Some((text, offset)) = at else { return error.inside(place) };
+        let (line, column) = line_and_column(text, offset);
+        error.inside(format!("{place}, line {line}, column {column}"))
     }
 }
 

@@ -68,7 +68,9 @@ impl Flaw {
             Format::Json => before.rsplit('"').take(64).find_map(key),
         });
         let example = example.or_else(|| schema::example("array", format)).unwrap_or_default();
-        source.fault(self.at.map(|at| (text, at)), &format!("{}; for example {example}", self.reason))
+        let mut error = Error::unreadable("", self.reason, "");
+        error.example = example;
+        source.fault(self.at.map(|at| (text, at)), error)
     }
 }
 

@@ -136,7 +136,9 @@ fn option(value: &Value) -> Result<Node, Error> {
         Value::Integer(number) => match (i64::try_from(*number), u64::try_from(*number)) {
             (Ok(number), _) => Node::Integer(number),
             (_, Ok(number)) => Node::Large(number),
-            _ => return Err(Error::invalid("solver option", value, "give a number of at most 64 bits")),
+            _ => {
+                return Err(Error::out_of_range("solver option", value, "give a number of at most 64 bits"));
+            }
         },
         Value::Real(value) => Node::Real(*value),
         Value::Text(value) => text(value),

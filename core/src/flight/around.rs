@@ -13,7 +13,6 @@
 //! potential U = c1 |p|^2 - c2 |grad p|^2 gives the force at some places in a smaller ball. A polynomial of degree 6 fitted
 //! to these forces is accurate to 1e-3.
 
-use alloc::string::ToString;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
@@ -137,13 +136,7 @@ type Part<'a> = ((&'a mut [Polynomial], &'a [[f64; 3]]), &'a [&'a [Complex32]]);
 
 /// Converts an error about a place that a bead has reached, where the field is not known.
 fn nowhere(error: Error) -> Error {
-    match error {
-        Error::Invalid { item, value, cure } => {
-            let place = "beads come where there is no force".to_string();
-            Error::File { place, reason: alloc::format!("{item} is {value}: {cure}") }
-        }
-        error => error,
-    }
+    if error.is_stop() { error } else { error.inside("beads come where there is no force") }
 }
 
 /// Returns x^a y^b z^c up to degree 6, in the order of a [`Polynomial`].

@@ -114,7 +114,7 @@ impl Flight {
         real("unit", self.unit, 0.0, true)?;
         vector("gravity", &self.gravity)?;
         if self.steps == 0 {
-            return Err(Error::invalid("steps", 0, "give at least 1"));
+            return Err(Error::out_of_range("steps", 0, "give at least 1"));
         }
         let mass = self.particle.mass(medium);
         let drag = |k: usize| {

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 
 use num_complex::{Complex32, Complex64};
 
-use crate::error::Error;
+use crate::error::{Error, ErrorCode};
 use crate::kernels::padded;
 use crate::math;
 use crate::problem::metrics::Metrics;
@@ -154,11 +154,12 @@ impl ArrayRequest {
             let target = self.pascals[j];
             let alone = reach * reference;
             if target > 0.0 && alone < LEAST_REACH {
-                return Err(Error::Unreached { point: j, cure: self.propagation.cure_of_silence() });
+                let (item, cure) = (format!("points[{j}]"), self.propagation.cure_of_silence());
+                return Err(Error::new(ErrorCode::Unreached, item, "reached by no transducer", cure));
             }
             if self.given && target > 0.0 && !within.contains(&(target / reference)) {
                 let cure = "no array comes near it: give the pressure in Pa, or 0 for a quiet point";
-                return Err(Error::invalid(format!("points[{j}].pressure"), format!("{target:e}"), cure));
+                return Err(Error::out_of_range(format!("points[{j}].pressure"), format!("{target:e}"), cure));
             }
             // The tolerance covers the sums of f32 values, which are exact to 1e-4 of the reach.
             if self.given && target > (1.0 + 1e-4) * alone {

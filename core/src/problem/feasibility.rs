@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use core::fmt;
 
 use crate::control::Control;
-use crate::error::Error;
+use crate::error::{Error, ErrorCode, Notice};
 use crate::problem::Problem;
 use crate::problem::upper_bound::{FEW_POINTS, rough_bound};
 use crate::scene::Aim;
@@ -51,17 +51,28 @@ pub enum Beyond {
 
 impl fmt::Display for Beyond {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.notice().fmt(f)
+    }
+}
+
+impl Beyond {
+    /// Returns the parts of the warning.
+    #[must_use]
+    pub fn notice(&self) -> Notice {
         match self {
-            Self::Alone { point, target, alone } => write!(
-                f,
-                "points[{point}].pressure is {} Pa, beyond reach: the array gives at most {} Pa there",
-                pascals(*target),
-                pascals(*alone)
-            ),
-            Self::Together { most } => write!(
-                f,
-                "the pressures are beyond reach: no drive gives more than {most:.2} of all of them at the same time"
-            ),
+            Self::Alone { point, target, alone } => {
+                let most = format!("{} Pa", pascals(*alone));
+                let (item, value) =
+                    (format!("points[{point}].pressure"), format!("{} Pa, beyond reach", pascals(*target)));
+                let cure = format!("the array gives at most {most} there");
+                Notice::new(ErrorCode::BeyondReach, item, value, cure).other(most)
+            }
+            Self::Together { most } => {
+                let cure = format!("no drive gives more than {most:.2} of all of them at the same time");
+                Notice::new(ErrorCode::BeyondTogether, "the pressures", "beyond reach", cure)
+                    .verb("are")
+                    .other(format_args!("{most:.2}"))
+            }
         }
     }
 }

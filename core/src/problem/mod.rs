@@ -197,12 +197,10 @@ impl Problem {
     /// Computes the sums of |G| at the points of weight above 0.
     pub(crate) fn sum_moduli(&mut self, control: &mut Control) -> Result<(), Error> {
         let propagation = self.selected.as_ref().unwrap_or(&self.targets.propagation);
-        propagation.reach(&mut self.reach, Some(&mut self.amplitudes), control).map_err(|error| match error {
-            // The error names a point by its index among the selected points; callers know the index among all points.
-            Error::TooNear { point, transducer, distance, least } => {
-                Error::TooNear { point: self.targets.active[point], transducer, distance, least }
-            }
-            other => other,
+        // The error names a point by its index among the selected points; callers know the index among all points.
+        propagation.reach(&mut self.reach, Some(&mut self.amplitudes), control).map_err(|error| match error.index {
+            Some(point) => error.about(format!("points[{}]", self.targets.active[point])),
+            None => error,
         })
     }
 
@@ -242,7 +240,7 @@ impl Problem {
             Start::Phases(phases) => {
                 one_each("start", phases.len(), "phases", self.targets.pascals.len(), "points")?;
                 if let Some(j) = phases.iter().position(|phase| !phase.is_finite()) {
-                    return Err(Error::invalid(format!("start[{j}]"), phases[j], "give finite numbers"));
+                    return Err(Error::not_finite(format!("start[{j}]"), phases[j]));
                 }
             }
         }

@@ -70,7 +70,7 @@ impl Solution {
         one_each("pressures", pressures.len(), "values", points, "points")?;
         real("scale", scale, 0.0, true)?;
         if scale > 1.0 {
-            return Err(Error::invalid("scale", scale, "give at most 1"));
+            return Err(Error::out_of_range("scale", scale, "give at most 1"));
         }
         if let Some(targets) = targets {
             Request { pressures: Some(targets.clone()), ..Request::default() }.check(points)?;

@@ -51,7 +51,7 @@ pub fn field(
     let (array, medium) = (model.array(), model.medium());
     check_drive(drive, array.len())?;
     if points.is_empty() {
-        return Err(Error::invalid("field points", "empty", "give at least one point"));
+        return Err(Error::missing("field points", "empty", "give at least one point"));
     }
     check_places(array.centre(), medium, "field points", "", points)?;
     if let Some(scattering) = &model.scattering {
@@ -73,7 +73,7 @@ pub fn field(
             chunks.into_iter().try_for_each(|(out, points)| chunk(model, (drive, bodies), points, out, control))
         })?;
         if control.step(step + 1, steps, || 0.0).is_break() {
-            return Err(Error::Stopped);
+            return Err(Error::stopped());
         }
     }
     Ok(pressures)
@@ -113,10 +113,10 @@ impl KeptField {
     /// ```
     pub fn new(model: &Model, points: &[[f64; 3]], control: &mut Control) -> Result<Self, Error> {
         if !model.obstacles().is_empty() {
-            return Err(Error::invalid("obstacles", "given", "ask for the field of each drive"));
+            return Err(Error::conflict("obstacles", "given", "ask for the field of each drive"));
         }
         if points.is_empty() {
-            return Err(Error::invalid("field points", "empty", "give at least one point"));
+            return Err(Error::missing("field points", "empty", "give at least one point"));
         }
         let (array, set) = (model.array(), model.set);
         check_places(array.centre(), model.medium(), "field points", "", points)?;

@@ -124,7 +124,7 @@ impl Kept {
         let most = (8 * MOST_ENTRIES / waves.max(8) / transducers).max(1);
         if count > most {
             let cure = format!("with {why} G is kept: give at most {most}");
-            return Err(Error::invalid("points", format!("{count} of them"), cure));
+            return Err(Error::shape("points", format!("{count} of them"), cure));
         }
         let columns = self.channels.as_ref().map_or(transducers, Channels::count);
         let (places, old) = known;

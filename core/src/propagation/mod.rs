@@ -149,12 +149,12 @@ impl Propagation {
         let transducers = matrix.len() / points;
         if let Some(at) = matrix.iter().position(|g| !g.re.is_finite() || !g.im.is_finite()) {
             let item = format!("propagation[{}, {}]", at / transducers, at % transducers);
-            return Err(Error::invalid(item, matrix[at], "give finite numbers"));
+            return Err(Error::not_finite(item, matrix[at]));
         }
         // Each number is divided before the sum, because the sum of large finite numbers can overflow.
         let mean = matrix.iter().map(|g| math::hypot(g.re, g.im) / matrix.len() as f64).sum::<f64>();
         if mean > 0.0 && !UNITS.contains(&mean) {
-            return Err(Error::invalid("propagation", format!("{mean:e} in the mean"), "give Pa: 1e-15 to 1e15"));
+            return Err(Error::out_of_range("propagation", format!("{mean:e} in the mean"), "give Pa: 1e-15 to 1e15"));
         }
         let transposed = (0..matrix.len()).map(|k| matrix[(k % points) * transducers + k / points]).collect();
         let reference = if mean > 0.0 { mean } else { 1.0 };
@@ -192,7 +192,7 @@ impl Propagation {
     /// Another number of entries than transducers, a propagation matrix G that is computed from an array.
     pub fn with_mask(mut self, mask: &[bool]) -> Result<Self, Error> {
         let Rows::Stored { matrix, planar, kept: None, .. } = &mut self.rows else {
-            return Err(Error::invalid("mask", "given", "an array has its own: give it there"));
+            return Err(Error::conflict("mask", "given", "an array has its own: give it there"));
         };
         let transducers = matrix.len() / self.count;
         one_each("mask", mask.len(), "values", transducers, "transducers")?;

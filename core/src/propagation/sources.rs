@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
-use crate::error::Error;
+use crate::error::{Error, ErrorCode};
 use crate::kernels::{Radiation, Source, SourceList, padded};
 use crate::math;
 use crate::scene::{Array, Medium, check_places, distance};
@@ -83,7 +83,7 @@ impl Sources {
     /// Checks that there are points, and that all are finite and near enough for phases in f32.
     pub(crate) fn check_points(&self, points: &[[f64; 3]]) -> Result<(), Error> {
         if points.is_empty() {
-            return Err(Error::invalid("points", "empty", "give at least one point"));
+            return Err(Error::missing("points", "empty", "give at least one point"));
         }
         check_places(self.centre, self.medium, "points", ".position", points)
     }
@@ -123,7 +123,9 @@ impl Sources {
         let least = self.medium.wavelength() / 100.0;
         let distance = distance(self.array.positions()[i], point);
         if distance < least {
-            return Err(Error::TooNear { point: j, transducer: i, distance, least });
+            let value = format!("{distance:.3e} m from transducer {i}");
+            let cure = format!("move it at least {least:.3e} m (a hundredth of the wavelength) away");
+            return Err(Error::new(ErrorCode::TooNear, format!("points[{j}]"), value, cure));
         }
         Ok(())
     }

@@ -63,7 +63,7 @@ impl Array {
     /// No position, more than 2^20, a coordinate that is not finite, another number of normals, a zero normal.
     pub fn new(positions: Vec<[f64; 3]>, normals: Option<Vec<[f64; 3]>>) -> Result<Self, Error> {
         if positions.is_empty() {
-            return Err(Error::invalid("array.positions", "empty", "give at least one transducer"));
+            return Err(Error::missing("array.positions", "empty", "give at least one transducer"));
         }
         count("array.positions", positions.len())?;
         check_finite("array.positions", &positions)?;
@@ -109,7 +109,7 @@ impl Array {
     pub fn grid(nx: usize, ny: usize, pitch: f64) -> Result<Self, Error> {
         for (item, value) in [("array.grid.nx", nx), ("array.grid.ny", ny)] {
             if value == 0 {
-                return Err(Error::invalid(item, value, "give at least 1 transducer"));
+                return Err(Error::out_of_range(item, value, "give at least 1 transducer"));
             }
         }
         count("array.grid nx * ny", nx.saturating_mul(ny))?;
@@ -148,7 +148,11 @@ impl Array {
     pub fn with_transducer(mut self, transducer: Transducer) -> Result<Self, Error> {
         let pressure = real("array.source_pressure", transducer.source_pressure, 0.0, true)?;
         if !UNITS.contains(&pressure) {
-            return Err(Error::invalid("array.source_pressure", format!("{pressure:?}"), "give Pa m: 1e-15 to 1e15"));
+            return Err(Error::out_of_range(
+                "array.source_pressure",
+                format!("{pressure:?}"),
+                "give Pa m: 1e-15 to 1e15",
+            ));
         }
         transducer.directivity.checked()?;
         self.transducer = transducer;
@@ -164,7 +168,7 @@ impl Array {
         if let Some(response) = &response {
             one_each("array.response", response.len(), "values", self.len(), "transducers")?;
             if let Some((i, c)) = response.iter().enumerate().find(|(_, c)| !c.re.is_finite() || !c.im.is_finite()) {
-                return Err(Error::invalid(format!("array.response[{i}]"), c, "give finite numbers"));
+                return Err(Error::not_finite(format!("array.response[{i}]"), c));
             }
             if let Some((i, c)) = response.iter().enumerate().find(|(_, c)| c.norm_sqr() > 1e6 * 1e6) {
                 return Err(Error::invalid(

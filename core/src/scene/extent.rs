@@ -2,7 +2,7 @@
 
 use alloc::format;
 
-use crate::error::Error;
+use crate::error::{Error, ErrorCode};
 use crate::scene::array::Array;
 use crate::scene::geometry::vector;
 use crate::scene::medium::Medium;
@@ -46,7 +46,7 @@ pub(crate) fn check_places(
             let cure = format!(
                 "bring it within {reach:.3e} m of the array's middle, 2^15 wavelengths at {frequency} Hz (coordinates are in metres)"
             );
-            return Err(Error::invalid(item, format!("{place:?}"), cure));
+            return Err(Error::new(ErrorCode::TooFar, item, format!("{place:?}"), cure));
         }
     }
     Ok(())

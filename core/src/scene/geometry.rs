@@ -3,7 +3,7 @@
 use alloc::format;
 use alloc::vec::Vec;
 
-use crate::error::{Error, one_each};
+use crate::error::{Error, ErrorCode, one_each};
 use crate::math;
 
 /// Returns `nx` x `ny` positions `pitch` metres apart, centred on the origin; x varies fastest.
@@ -65,5 +65,5 @@ pub(crate) fn vector(item: &str, vector: &[f64; 3]) -> Result<(), Error> {
     if vector.iter().all(|x| x.is_finite()) {
         return Ok(());
     }
-    Err(Error::invalid(item, format!("{vector:?}"), "give three finite numbers"))
+    Err(Error::new(ErrorCode::NotFinite, item, format!("{vector:?}"), "give three finite numbers"))
 }

@@ -51,7 +51,7 @@ impl Mesh {
             vector(&format!("mesh.vertices[{v}]"), vertex)?;
         }
         if faces.is_empty() {
-            return Err(Error::invalid("mesh.faces", "empty", "give triangles, three indices of vertices each"));
+            return Err(Error::missing("mesh.faces", "empty", "give triangles, three indices of vertices each"));
         }
         let name = |f: usize| format!("mesh.faces[{f}]");
         for (f, face) in faces.iter().enumerate() {

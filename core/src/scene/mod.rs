@@ -44,7 +44,6 @@ pub(crate) use obstacle::{Obstacles, element_size};
 pub use origin::Origin;
 pub use part::{Part, PartKind, PartValue};
 pub use plane::{Axis, Plane};
-pub use plausibility::Doubt;
 pub(crate) use plausibility::{Vicinity, beside, contrary, distant, short};
 pub use request::Request;
 pub use signature::Signature;
@@ -59,7 +58,7 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use crate::error::Error;
+use crate::error::{Error, Notice};
 
 /// The factor between the allowed distances of a trap and of a focus from the plane of a picture. For a trap the allowed
 /// distance is then half a wavelength, which contains the loud shell around the trap.
@@ -281,7 +280,7 @@ impl Scene {
     /// # Ok::<(), midair::Error>(())
     /// ```
     #[must_use]
-    pub fn doubts(&self) -> Vec<Doubt> {
+    pub fn doubts(&self) -> Vec<Notice> {
         let mut doubts = self.array.doubts(self.medium);
         doubts.extend(self.own_doubts());
         doubts
@@ -289,7 +288,7 @@ impl Scene {
 
     /// Returns the probable mistakes in points and plane, without those of [`Array::doubts`].
     #[must_use]
-    pub fn own_doubts(&self) -> Vec<Doubt> {
+    pub fn own_doubts(&self) -> Vec<Notice> {
         let mut doubts = Vec::new();
         let far = Vicinity::of(&self.array).doubt(&self.points, |j| format!("points[{j}].position"));
         doubts.extend(far.or_else(|| beside(&self.array, self.medium, &self.points)));
@@ -302,7 +301,7 @@ impl Scene {
 
     /// Returns a warning if a place in m is so far from the array that its unit is probably wrong; `name` names place k.
     #[must_use]
-    pub fn doubt_places(&self, places: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Doubt> {
+    pub fn doubt_places(&self, places: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Notice> {
         Vicinity::of(&self.array).far(places, name)
     }
 

@@ -5,7 +5,7 @@ use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use crate::error::{Error, real};
+use crate::error::{Error, ErrorCode, Notice, real};
 use crate::scene::body::obstacles;
 use crate::scene::geometry::distance;
 use crate::scene::geometry::vector;
@@ -111,7 +111,7 @@ impl Obstacles {
                     check_sphere(&item, (*center, *radius), array, medium)?;
                     if given.len() > 1 {
                         let cure = "its series knows of no other obstacle: give it as a mesh";
-                        return Err(Error::invalid(item, "a sphere among others", cure));
+                        return Err(Error::new(ErrorCode::SphereAmong, item, "a sphere among others", cure));
                     }
                 }
                 Obstacle::Mesh(mesh) => check_mesh(&item, mesh, array, medium)?,
@@ -184,7 +184,7 @@ impl Obstacles {
             }
             body => format!("inside the {} obstacles[{k}], where no sound is: bring it out", body.noun()),
         };
-        Err(Error::invalid(name(), format!("{point:?}"), cure))
+        Err(Error::new(ErrorCode::Blocked, name(), format!("{point:?}"), cure))
     }
 
     /// Checks that the meshes together have few enough boundary elements to be solved. A mesh file in millimetres, read as
@@ -250,7 +250,8 @@ fn check_sphere(item: &str, (center, radius): ([f64; 3], f64), array: &Array, me
     if radius > most {
         let cure =
             format!("give at most {most:.3} m, {LARGEST_SPHERE} wavelengths, or a mesh of the part that matters");
-        return Err(Error::invalid(name, format!("{radius} m"), cure));
+        let notice = Notice::new(ErrorCode::SphereSize, name, format!("{radius} m"), cure);
+        return Err(Error::of(notice.other(format!("{most:.3} m"))));
     }
     super::check_places(array.centre(), medium, "obstacles", ".center", &[center])?;
     let clear = radius + CLEAR * medium.wavelength();
@@ -275,5 +276,5 @@ fn check_mesh(item: &str, mesh: &Mesh, array: &Array, medium: Medium) -> Result<
 fn crossing(item: &str, i: usize, noun: &str, medium: Medium) -> Error {
     let clear = CLEAR * medium.wavelength();
     let cure = format!("transducer {i} is inside or within {clear:.1e} m of it: move the {noun} or the array");
-    Error::invalid(item, format!("a {noun} that crosses the array"), cure)
+    Error::new(ErrorCode::CrossesArray, item, format!("a {noun} that crosses the array"), cure)
 }

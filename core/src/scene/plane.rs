@@ -104,7 +104,7 @@ impl Plane {
         vector(&format!("plane {axis} and center"), &[at, center[0], center[1]])?;
         real("plane.size", size, 0.0, true)?;
         if !(2..=8192).contains(&pixels) {
-            return Err(Error::invalid("plane.pixels", pixels, "give 2 to 8192"));
+            return Err(Error::out_of_range("plane.pixels", pixels, "give 2 to 8192"));
         }
         Ok(Self { axis, at, size, pixels, center })
     }

@@ -6,9 +6,9 @@
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use core::fmt;
 use core::ops::RangeInclusive;
 
+use crate::error::{ErrorCode, Notice};
 use crate::math::sqrt;
 use crate::scene::array::Array;
 use crate::scene::bead::{Bead, Particle};
@@ -47,27 +47,8 @@ const LARGEST: f64 = 10.0;
 /// size. At this distance the air has absorbed half of the pressure at 40 kHz.
 const FARTHEST: f64 = 5.0;
 
-/// A value that is computed but is probably a mistake.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Doubt {
-    /// The name of the value, as in a scene file: `array.grid.pitch`.
-    pub item: String,
-    /// The value itself, with its unit.
-    pub value: String,
-    /// How to correct it.
-    pub cure: String,
-}
-
-impl fmt::Display for Doubt {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { item, value, cure } = self;
-        write!(f, "{item} is {value}: {cure}")
-    }
-}
-
-fn doubt(item: impl Into<String>, value: impl Into<String>, cure: impl Into<String>) -> Doubt {
-    Doubt { item: item.into(), value: value.into(), cure: cure.into() }
+fn doubt(item: impl Into<String>, value: impl Into<String>, cure: impl Into<String>) -> Notice {
+    Notice::new(ErrorCode::Doubtful, item, value.into(), cure)
 }
 
 /// A number with four significant digits, in its shortest form.
@@ -93,7 +74,7 @@ impl Bead {
     /// Returns a probable mistake in a bead: a radius larger than the wavelength. The default bead, which most scenes do not
     /// use, is not judged.
     #[must_use]
-    pub(crate) fn doubt(&self, medium: Medium) -> Option<Doubt> {
+    pub(crate) fn doubt(&self, medium: Medium) -> Option<Notice> {
         let (radius, wavelength) = (self.particle.radius, medium.wavelength());
         let given = self.particle != Particle::default() && is_sure(medium);
         (given && radius > wavelength).then(|| {
@@ -107,7 +88,7 @@ impl Bead {
 impl Plane {
     /// Returns a probable mistake in a plane: a length larger than any array.
     #[must_use]
-    pub fn doubt(&self) -> Option<Doubt> {
+    pub fn doubt(&self) -> Option<Notice> {
         let [across, up] = self.center;
         let place = format!("plane.{}", self.axis);
         let lengths = [(&*place, self.at), ("plane.size", self.size), ("plane.center", across), ("plane.center", up)];
@@ -119,7 +100,7 @@ impl Plane {
 impl Array {
     /// Returns probable mistakes in an array and its medium; each mistake is listed once.
     #[must_use]
-    pub fn doubts(&self, medium: Medium) -> Vec<Doubt> {
+    pub fn doubts(&self, medium: Medium) -> Vec<Notice> {
         let mut doubts = of_medium(medium);
         let pressure = self.transducer().source_pressure;
         if !SOURCE_PRESSURE.contains(&pressure) && !self.in_paper_unit() {
@@ -132,14 +113,14 @@ impl Array {
 
     /// Returns a probable mistake in an array alone: a width larger than that of any array.
     #[must_use]
-    pub fn doubt(&self) -> Option<Doubt> {
+    pub fn doubt(&self) -> Option<Notice> {
         let side = largest(&self.bounds());
         (side > LARGEST)
             .then(|| doubt("array.positions", format!("{} m wide", short(side)), metres(side, &(0.01..=2.0))))
     }
 }
 
-fn of_medium(medium: Medium) -> Vec<Doubt> {
+fn of_medium(medium: Medium) -> Vec<Notice> {
     let mut doubts = Vec::new();
     let Medium { frequency, sound_speed, absorption, density, .. } = medium;
     if !FREQUENCY.contains(&frequency) {
@@ -186,7 +167,7 @@ fn is_sure(medium: Medium) -> bool {
 }
 
 /// Returns a probable mistake in positions: neighbours too close or too far apart, or an array too large.
-fn extent(array: &Array, medium: Medium) -> Option<Doubt> {
+fn extent(array: &Array, medium: Medium) -> Option<Notice> {
     let places = array.positions();
     let wavelength = medium.wavelength();
     if is_sure(medium) && places.len() > 1 {
@@ -234,21 +215,23 @@ impl Vicinity {
 
     /// Returns the first point outside of the box or, if all are inside, the first one behind every transducer. The text also
     /// gives the number of such points; `name` makes the name from the index.
-    pub(crate) fn doubt(&self, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Doubt> {
+    pub(crate) fn doubt(&self, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Notice> {
         if let Some(far) = self.far(points, &name) {
             return Some(far);
         }
         let (j, value) = first(points, |point| self.array.is_behind(point))?;
-        Some(doubt(name(j), value, "behind every transducer, where a board sends no sound: give a point in front"))
+        let cure = "behind every transducer, where a board sends no sound: give a point in front";
+        Some(Notice::new(ErrorCode::Behind, name(j), value, cure))
     }
 
     /// Returns the first point outside of the box, and the number of such points.
-    pub(crate) fn far(&self, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Doubt> {
+    pub(crate) fn far(&self, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Notice> {
         let outside = |point: [f64; 3]| point.iter().zip(&self.bounds).any(|(x, [low, high])| x < low || x > high);
         let (j, value) = first(points, outside)?;
         let away = points[j].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let length = metres(away, &(0.01..=2.0));
-        Some(doubt(name(j), value, format!("far beyond an array of {} m: {length}", short(self.size))))
+        let cure = format!("far beyond an array of {} m: {length}", short(self.size));
+        Some(Notice::new(ErrorCode::TooFar, name(j), value, cure))
     }
 }
 
@@ -269,7 +252,7 @@ fn first(points: &[[f64; 3]], doubtful: impl Fn([f64; 3]) -> bool) -> Option<(us
 ///
 /// Within a quarter of the wavelength the model of a point source is wrong. A point within a hundredth of the wavelength is an
 /// error, reported elsewhere.
-pub(crate) fn beside(array: &Array, medium: Medium, points: &[[f64; 3]]) -> Option<Doubt> {
+pub(crate) fn beside(array: &Array, medium: Medium, points: &[[f64; 3]]) -> Option<Notice> {
     let [error, within] = [100.0, 4.0].map(|part| medium.wavelength() / part);
     let bounds = array.bounds();
     let close = |(x, [low, high]): (&f64, &[f64; 2])| (low - within..=high + within).contains(x);
@@ -280,23 +263,25 @@ pub(crate) fn beside(array: &Array, medium: Medium, points: &[[f64; 3]]) -> Opti
         match nearest.map(|i| (i, apart(&i))) {
             Some((_, length)) if length < error => None,
             Some((i, length)) if length < within => Some((
+                ErrorCode::TooNear,
                 format!(", {} m from transducer {i}", short(length)),
                 "nearer than a quarter of the wavelength a transducer is no point source: give a point farther away",
             )),
             _ if array.is_in_front(*point) => None,
             _ => Some((
+                ErrorCode::InPlane,
                 String::new(),
                 "in the plane of the transducers, where a board sends little sound: give a point in front",
             )),
         }
     };
-    let (j, (value, cure)) = points.iter().enumerate().find_map(|(j, point)| Some((j, found(point)?)))?;
+    let (j, (code, value, cure)) = points.iter().enumerate().find_map(|(j, point)| Some((j, found(point)?)))?;
     let [x, y, z] = points[j].map(short);
-    Some(doubt(format!("points[{j}].position"), format!("[{x}, {y}, {z}] m{value}"), cure))
+    Some(Notice::new(code, format!("points[{j}].position"), format!("[{x}, {y}, {z}] m{value}"), cure))
 }
 
 /// Returns the first obstacle that is farther away than any room is large.
-pub(crate) fn distant(array: &Array, obstacles: &[Obstacle]) -> Option<Doubt> {
+pub(crate) fn distant(array: &Array, obstacles: &[Obstacle]) -> Option<Notice> {
     let centre = array.centre();
     let away = |obstacle: &Obstacle| match (obstacle, obstacle.bounds()) {
         (Obstacle::Wall { point, normal, .. }, _) => {
@@ -311,12 +296,13 @@ pub(crate) fn distant(array: &Array, obstacles: &[Obstacle]) -> Option<Doubt> {
     };
     let most = LARGEST.max(largest(&array.bounds()));
     let (k, length) = obstacles.iter().map(away).enumerate().find(|(_, length)| *length > most)?;
-    Some(doubt(format!("obstacles[{k}]"), format!("{} m from the array", short(length)), metres(length, &(0.01..=2.0))))
+    let (value, cure) = (format!("{} m from the array", short(length)), metres(length, &(0.01..=2.0)));
+    Some(Notice::new(ErrorCode::TooFar, format!("obstacles[{k}]"), value, cure))
 }
 
 /// Returns two points that are too close for their different pressures: over a distance d, the pressure of a wave changes by at
 /// most k d times its greatest pressure (Bernstein's inequality).
-pub(crate) fn contrary(medium: Medium, points: &[[f64; 3]], request: &Request) -> Option<Doubt> {
+pub(crate) fn contrary(medium: Medium, points: &[[f64; 3]], request: &Request) -> Option<Notice> {
     let pressures = request.pressures.as_ref()?;
     let taking_part: Vec<usize> = (0..points.len()).filter(|&j| request.weight(j) > 0.0).collect();
     // In most requests all pressures are equal.
@@ -333,5 +319,5 @@ pub(crate) fn contrary(medium: Medium, points: &[[f64; 3]], request: &Request) -
     let value =
         format!("{} Pa, {} m from points[{k}] with {} Pa", short(pressures[j]), short(distance), short(pressures[k]));
     let cure = "less than a tenth of the wavelength apart they cannot differ so: give them one pressure, or move one";
-    Some(doubt(format!("points[{j}].pressure"), value, cure))
+    Some(Notice::new(ErrorCode::Contrary, format!("points[{j}].pressure"), value, cure).other(format!("points[{k}]")))
 }

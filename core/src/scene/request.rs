@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
-use crate::error::{Error, one_each, real};
+use crate::error::{Error, ErrorCode, one_each, real};
 use crate::math;
 
 /// Requested pressures (M,) in Pa, their phases (M,) in rad and weights (M,) of M points; each list may be left out.
@@ -56,7 +56,7 @@ impl Request {
     /// pressures; nothing requested (every pressure 0 or every weight 0).
     pub fn check(&self, points: usize) -> Result<(), Error> {
         if points == 0 {
-            return Err(Error::invalid("points", "empty", "give at least one point"));
+            return Err(Error::missing("points", "empty", "give at least one point"));
         }
         for (name, values) in [("pressures", &self.pressures), ("weights", &self.weights)] {
             let Some(values) = values else { continue };
@@ -78,15 +78,12 @@ impl Request {
             }
         }
         if self.weights.as_ref().is_some_and(|weights| weights.iter().all(|&w| w == 0.0)) {
-            return Err(Error::invalid("weights", "all 0", "give at least one point a weight above 0"));
+            return Err(Error::new(ErrorCode::Silent, "weights", "all 0", "give at least one point a weight above 0"));
         }
         let requested = |j: usize| self.pressure(j) > 0.0 && self.weight(j) > 0.0;
         if !(0..points).any(requested) {
-            return Err(Error::invalid(
-                "pressures",
-                "all 0",
-                "give at least one point (of weight above 0) a pressure above 0 Pa",
-            ));
+            let cure = "give at least one point (of weight above 0) a pressure above 0 Pa";
+            return Err(Error::new(ErrorCode::Silent, "pressures", "all 0", cure));
         }
         Ok(())
     }

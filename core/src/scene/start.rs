@@ -24,7 +24,7 @@ pub(crate) fn check_drive(drive: &[Complex32], transducers: usize) -> Result<(),
     for (i, q) in drive.iter().enumerate() {
         let modulus = math::modulus(*q);
         if !modulus.is_finite() {
-            return Err(Error::invalid(format!("drive[{i}]"), q, "give finite numbers"));
+            return Err(Error::not_finite(format!("drive[{i}]"), q));
         }
         if modulus > 1.0 + 1e-6 {
             let cure = "a drive's modulus is at most 1; divide all by the largest, or each above 1 by its own";

@@ -62,7 +62,7 @@ fn integer<T: TryFrom<i128>>(value: &Value) -> Option<T> {
 
 impl OptionValue for u64 {
     fn read(item: &str, value: &Value) -> Result<Self, Error> {
-        integer(value).ok_or_else(|| Error::invalid(item, value, "give a whole number from 0 to 2^64 - 1"))
+        integer(value).ok_or_else(|| Error::wrong_type(item, value, "give a whole number from 0 to 2^64 - 1"))
     }
 
     fn show(&self) -> Value {
@@ -72,7 +72,7 @@ impl OptionValue for u64 {
 
 impl OptionValue for u32 {
     fn read(item: &str, value: &Value) -> Result<Self, Error> {
-        integer(value).ok_or_else(|| Error::invalid(item, value, "give a whole number, 0 or above"))
+        integer(value).ok_or_else(|| Error::wrong_type(item, value, "give a whole number, 0 or above"))
     }
 
     fn show(&self) -> Value {
@@ -85,7 +85,7 @@ impl OptionValue for f64 {
         match value {
             Value::Integer(number) => Ok(*number as Self),
             Value::Real(number) if number.is_finite() => Ok(*number),
-            _ => Err(Error::invalid(item, value, "give a finite number")),
+            _ => Err(Error::wrong_type(item, value, "give a finite number")),
         }
     }
 

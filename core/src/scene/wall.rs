@@ -2,7 +2,7 @@
 
 use alloc::format;
 
-use crate::error::Error;
+use crate::error::{Error, ErrorCode};
 use crate::math;
 use crate::scene::geometry::dot;
 use crate::scene::geometry::vector;
@@ -64,7 +64,7 @@ pub(crate) fn mirror(
     }
     if let Some(i) = array.positions().iter().position(|&position| mirror.height(position) < -ON) {
         let cure = format!("it crosses the array, transducer {i} is behind it: move the wall or the array");
-        return Err(Error::invalid(item, format!("a wall through {point:?}"), cure));
+        return Err(Error::new(ErrorCode::CrossesArray, item, format!("a wall through {point:?}"), cure));
     }
     let far = 2.0 * mirror.height(array.centre());
     let most = super::extent::reach(medium);

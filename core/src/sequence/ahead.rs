@@ -92,7 +92,7 @@ pub fn ahead(
     let steps = ahead.rounds as usize + 1;
     let guess = match start {
         None if ahead.ends == Ends::Held => {
-            return Err(Error::invalid("start", "left out", "give codes, the first of which stay"));
+            return Err(Error::missing("start", "left out", "give codes, the first of which stay"));
         }
         None => guess(&frames, ahead.ends == Ends::Closed, control)?,
         Some(start) => {
@@ -122,10 +122,10 @@ impl Ahead {
     pub(super) fn circle(&self) -> Result<Circle, Error> {
         let change = real("change", self.change, 0.0, false)?;
         if !(2..=1 << 16).contains(&self.phases) {
-            return Err(Error::invalid("phases", self.phases, "give 2 to 65536"));
+            return Err(Error::out_of_range("phases", self.phases, "give 2 to 65536"));
         }
         if self.rounds == 0 {
-            return Err(Error::invalid("rounds", 0, "give at least 1: the first finds the tracks"));
+            return Err(Error::out_of_range("rounds", 0, "give at least 1: the first finds the tracks"));
         }
         let reach = steps_within(change, self.phases).min(self.phases.into()) as usize;
         Ok(Circle::new(self.phases as usize, reach))
@@ -135,7 +135,7 @@ impl Ahead {
 fn check_start(start: &[u16], count: usize, transducers: usize, phases: u32) -> Result<(), Error> {
     if start.len() != count * transducers {
         let cure = format!("give {transducers} in each of the {count} frames");
-        return Err(Error::invalid("start", format!("{} codes", start.len()), cure));
+        return Err(Error::shape("start", format!("{} codes", start.len()), cure));
     }
     match start.iter().position(|&code| u32::from(code) >= phases) {
         None => Ok(()),
@@ -163,7 +163,7 @@ fn step(
 ) -> Result<(), Error> {
     match control.step(step, steps, || frames.unevenness(field)) {
         core::ops::ControlFlow::Continue(()) => Ok(()),
-        core::ops::ControlFlow::Break(()) => Err(Error::Stopped),
+        core::ops::ControlFlow::Break(()) => Err(Error::stopped()),
     }
 }
 

@@ -41,7 +41,7 @@ pub(super) fn guess(frames: &Frames, closed: bool, control: &mut Control) -> Res
         }
         let solution = Uniform::default().solve(&problem, &mut work, &mut control.part())?;
         if solution.status == Status::Stopped {
-            return Err(Error::Stopped);
+            return Err(Error::stopped());
         }
         for (&k, p) in there.iter().zip(&solution.pressures) {
             if frame < count {

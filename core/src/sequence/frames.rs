@@ -8,7 +8,7 @@ use num_complex::Complex64;
 
 use crate::control::{Control, bytes};
 use crate::device::channels::Channels;
-use crate::error::{Error, real};
+use crate::error::{Error, ErrorCode, real};
 use crate::kernels::{InstructionSet, LANES, padded};
 use crate::math;
 use crate::propagation::{Model, Propagation};
@@ -47,7 +47,7 @@ impl<'a> Frames<'a> {
         control: &mut Control,
     ) -> Result<Self, Error> {
         if frames < 2 {
-            return Err(Error::invalid("frames", frames, "give at least 2: a single one is solved by a solver"));
+            return Err(Error::out_of_range("frames", frames, "give at least 2: a single one is solved by a solver"));
         }
         if points.is_empty() || !points.len().is_multiple_of(frames) {
             let value = format!("{} points", points.len());
@@ -55,7 +55,7 @@ impl<'a> Frames<'a> {
         }
         if targets.len() != points.len() {
             let cure = format!("give one for each of the {} points of all frames", points.len());
-            return Err(Error::invalid("targets", format!("{} values", targets.len()), cure));
+            return Err(Error::shape("targets", format!("{} values", targets.len()), cure));
         }
         let each = points.len() / frames;
         let name = |k: usize| format!("[{}, {}]", k / each, k % each);
@@ -64,7 +64,12 @@ impl<'a> Frames<'a> {
         }
         let largest = targets.iter().copied().fold(0.0, f64::max);
         let Some(first) = targets.iter().position(|&target| target > 0.0) else {
-            return Err(Error::invalid("targets", "0 everywhere", "give a point of some frame one above 0"));
+            return Err(Error::new(
+                ErrorCode::Silent,
+                "targets",
+                "0 everywhere",
+                "give a point of some frame one above 0",
+            ));
         };
         let medium = model.medium();
         for (k, point) in points.iter().enumerate().filter(|(k, _)| targets[*k] > 0.0) {
@@ -90,21 +95,23 @@ impl<'a> Frames<'a> {
             let signature = model.signature().map(|one| one.repeated(model.array().len(), (end - begin) / each));
             let together = model.clone().with_signature(signature);
             let propagation = together.driven(&(begin..end).map(place).collect::<Vec<_>>())?;
-            propagation.reach(&mut reach, None, control).map_err(|error| match error {
-                Error::TooNear { point, transducer, distance, least } => {
-                    let value = format!("{distance:.3e} m from transducer {transducer}");
-                    let cure = format!("move it at least {least:.3e} m (a hundredth of the wavelength) away");
-                    Error::invalid(format!("points{}", name(begin + point)), value, cure)
-                }
-                other => other,
-            })?;
+            let named = |error: Error| match error.index {
+                Some(point) => error.about(format!("points{}", name(begin + point))),
+                None => error,
+            };
+            propagation.reach(&mut reach, None, control).map_err(named)?;
             own.reach.extend(reach.iter().map(|&reach| reach as f32));
             own.blocks.push(propagation);
         }
         let silent = |k: &usize| targets[*k] > 0.0 && (own.reach[*k].is_nan() || own.reach[*k] <= 0.0);
         if let Some(k) = (0..points.len()).find(silent) {
             let cure = "move it in front of the array, turn a normal or switch a transducer on";
-            return Err(Error::invalid(format!("points{}", name(k)), "reached by no transducer", cure));
+            return Err(Error::new(
+                ErrorCode::Unreached,
+                format!("points{}", name(k)),
+                "reached by no transducer",
+                cure,
+            ));
         }
         Ok(own)
     }

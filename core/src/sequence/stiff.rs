@@ -63,7 +63,7 @@ pub fn stiffen(
     let count = codes.len() / array.len();
     if codes.len() != count * array.len() {
         let cure = format!("give {} in each frame", array.len());
-        return Err(Error::invalid("codes", format!("{} of them", codes.len()), cure));
+        return Err(Error::shape("codes", format!("{} of them", codes.len()), cure));
     }
     let frames = Frames::new(model, points, &vec![1.0; points.len()], count, control)?;
     let circle = how.circle()?;
@@ -84,7 +84,7 @@ pub fn stiffen(
             lap.visit(&chosen, &mut drives, (step >= SWEEPS).then_some(&board), control)?;
         }
         if control.step(step + 1, steps, || 0.0) == ControlFlow::Break(()) {
-            return Err(Error::Stopped);
+            return Err(Error::stopped());
         }
     }
     for (code, q) in own.iter_mut().zip(&drives) {

@@ -1,6 +1,5 @@
 //! Follow: solves the frames of a motion one after another, each with the previous one as its start.
 
-use alloc::boxed::Box;
 use alloc::format;
 
 use num_complex::Complex32;
@@ -65,7 +64,7 @@ impl Session {
         {
             let cure =
                 format!("give {steps} frames of {count} points, as many targets, and {margin} frames on both sides");
-            return Err(Error::invalid("points", format!("{} of them", all.len()), cure));
+            return Err(Error::shape("points", format!("{} of them", all.len()), cure));
         }
         let points = &all[margin * count..];
         let starts = !self.task.solver.remembers();
@@ -113,12 +112,9 @@ impl Session {
                 solution.status
             });
             self.last.around.0.clear();
-            let status = status.map_err(|error| match error {
-                Error::Stopped => Error::Stopped,
-                error => Error::InFrame { index: t, error: Box::new(error) },
-            })?;
+            let status = status.map_err(|error| error.of_one("frames", t))?;
             if status == Status::Stopped {
-                return Err(Error::Stopped);
+                return Err(Error::stopped());
             }
             before = Some(row.start);
             control.pulse()?;

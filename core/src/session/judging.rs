@@ -1,6 +1,5 @@
 //! Judging: computes the metrics of many drives, each at its own points, sixteen at a time, over all threads.
 
-use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -72,7 +71,7 @@ impl Session {
                 worker.judge(part, task, requests, precision, control)
             };
             match control.each(parts.zip(&mut *workers).collect(), &run) {
-                Err(Error::Stopped) => break,
+                Err(error) if error.is_stop() => break,
                 outcome => outcome?,
             }
             done = end;
@@ -100,10 +99,7 @@ impl Worker {
             control.pulse()?;
             let (count, refused) = self.prepare(first + k * LANES, metrics.len(), task, requests, control);
             let judged = self.judge_prepared(count, drives, precision, metrics, control);
-            judged.and(refused).map_err(|(own, error)| match error {
-                Error::Stopped => error,
-                error => Error::InBatch { index: first + k * LANES + own, error: Box::new(error) },
-            })?;
+            judged.and(refused).map_err(|(own, error)| error.of_one("problems", first + k * LANES + own))?;
         }
         Ok(())
     }

@@ -19,11 +19,11 @@ use alloc::vec::Vec;
 use num_complex::Complex32;
 
 use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::error::{Error, Notice};
 use crate::kernels::LANES;
 use crate::problem::{Problem, Setup, Solution};
 use crate::propagation::{Model, Propagation};
-use crate::scene::{Doubt, Vicinity, contrary};
+use crate::scene::{Vicinity, contrary};
 use crate::session::batch::{Outcome, Tally};
 use crate::session::parts::{Part, parts};
 use crate::session::worker::{Requests, Task, Transducers, Worker};
@@ -192,7 +192,7 @@ impl Session {
             };
             done = end;
             match control.each(pairs, &run) {
-                Err(Error::Stopped) => {
+                Err(error) if error.is_stop() => {
                     drives[done * transducers..].fill(Complex32::ZERO);
                     break;
                 }
@@ -225,7 +225,7 @@ impl Session {
         let (transducers, threads) = (self.transducers(), control.threads());
         if drives != count * transducers {
             let cure = format!("give {count} times {transducers}");
-            return Err(Error::invalid("drives", format!("{drives} values"), cure));
+            return Err(Error::shape("drives", format!("{drives} values"), cure));
         }
         control.room("the answers", [transducers, points], memory)?;
         if self.workers.len() < threads {
@@ -258,7 +258,7 @@ impl Session {
     /// Returns probable mistakes in the points of a request. A point far beyond the array or behind it is reported once in a
     /// session. Different pressures at one place are reported only for the first request. The check takes one comparison for
     /// each coordinate.
-    pub fn doubts(&mut self, ask: &SolveRequest) -> Vec<Doubt> {
+    pub fn doubts(&mut self, ask: &SolveRequest) -> Vec<Notice> {
         let far = self.far(&ask.points, |j| format!("points[{j}].position"));
         let first = !core::mem::replace(&mut self.compared, true);
         let contrary = first.then(|| contrary(self.task.setup.medium, &ask.points, &ask.request)).flatten();
@@ -267,12 +267,12 @@ impl Session {
 
     /// Does the same as [`Session::doubts`] for all points (B, M, 3) of a batch, with `each` = M. It reports only
     /// points far beyond the array or behind it.
-    pub fn batch_doubts(&mut self, points: &[[f64; 3]], each: usize) -> Vec<Doubt> {
+    pub fn batch_doubts(&mut self, points: &[[f64; 3]], each: usize) -> Vec<Notice> {
         let far = self.far(points, |k| format!("problems[{}].points[{}].position", k / each, k % each));
         far.into_iter().collect()
     }
 
-    fn far(&mut self, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Doubt> {
+    fn far(&mut self, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Notice> {
         let far = self.vicinity.as_ref()?.doubt(points, name)?;
         self.vicinity = None;
         Some(far)

@@ -1,6 +1,5 @@
 //! Worker: the memory in which one thread reads and solves requests, 16 at a time.
 
-use alloc::boxed::Box;
 use alloc::format;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -135,12 +134,11 @@ impl Worker {
             let solved = self.solve_range(&mut part, done..end, task, requests, control);
             match solved.and_then(|()| control.pulse().map_err(|error| (end, error))) {
                 Ok(()) => done = end,
-                Err((begun, Error::Stopped)) => {
-                    part.silence(begun);
-                    return Err(Error::Stopped);
-                }
                 Err((index, error)) => {
-                    return Err(Error::InBatch { index: first + index, error: Box::new(error) });
+                    if error.is_stop() {
+                        part.silence(index);
+                    }
+                    return Err(error.of_one("problems", first + index));
                 }
             }
         }
@@ -179,7 +177,7 @@ impl Worker {
             let at = |error| (start + k, error);
             let solution = solve(problem, solver, balance, work, &mut control.part()).map_err(at)?;
             if solution.status == Status::Stopped {
-                return Err(at(Error::Stopped));
+                return Err(at(Error::stopped()));
             }
             keep(k, &solution);
             solution.recycle(work);
@@ -222,7 +220,7 @@ impl Worker {
         let points = task.transducers.points().unwrap_or(self.ask.points.len());
         if points != requests.points {
             let cure = format!("give {} as all problems of the batch have", requests.points);
-            return Err(Error::invalid("points", format!("{points} of them"), cure));
+            return Err(Error::shape("points", format!("{points} of them"), cure));
         }
         task.read(&mut self.problems, k, &self.ask)
     }

@@ -38,7 +38,7 @@ impl Method for Best {
 
     fn check(&self) -> Result<(), Error> {
         if self.starts == 0 {
-            return Err(Error::invalid("starts", self.starts, "give at least 1"));
+            return Err(Error::out_of_range("starts", self.starts, "give at least 1"));
         }
         check_iteration(self.steps, self.tolerance)?;
         real("quiet", self.quiet, 0.0, false).map(|_| ())

@@ -37,7 +37,7 @@ impl Method for Descent {
 
     fn check(&self) -> Result<(), Error> {
         if self.starts == 0 {
-            return Err(Error::invalid("starts", self.starts, "give at least 1"));
+            return Err(Error::out_of_range("starts", self.starts, "give at least 1"));
         }
         check_iteration(self.steps, self.tolerance)
     }

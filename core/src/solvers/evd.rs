@@ -42,7 +42,7 @@ impl Method for Evd {
     fn check(&self) -> Result<(), Error> {
         real("gamma", self.gamma, 0.0, false)?;
         if self.gamma > 10.0 {
-            return Err(Error::invalid("gamma", self.gamma, "give 0 to 10"));
+            return Err(Error::out_of_range("gamma", self.gamma, "give 0 to 10"));
         }
         Ok(())
     }

@@ -60,10 +60,10 @@ impl Method for Fast {
     fn check(&self) -> Result<(), Error> {
         let most = closed_form::MOST as u32;
         if !(1..=most).contains(&self.block) {
-            return Err(Error::invalid("block", self.block, "give 1 to 8"));
+            return Err(Error::out_of_range("block", self.block, "give 1 to 8"));
         }
         if self.sweeps > 1000 {
-            return Err(Error::invalid("sweeps", self.sweeps, "give 0 to 1000"));
+            return Err(Error::out_of_range("sweeps", self.sweeps, "give 0 to 1000"));
         }
         Ok(())
     }

@@ -21,7 +21,7 @@ pub(super) fn iterate<T>(
         match step(state, control) {
             Ok(true) => return Ok((Status::Done, done)),
             Ok(false) => {}
-            Err(Error::Stopped) => return Ok((Status::Stopped, done - 1)),
+            Err(error) if error.is_stop() => return Ok((Status::Stopped, done - 1)),
             Err(error) => return Err(error),
         }
         if done < steps && control.step(done, steps, || residual(state)).is_break() {

@@ -163,7 +163,7 @@ pub trait Method: Configure + Solve + Send + Sync + 'static {
 /// Checks the steps and the tolerance of an iterative method; returns an error if one is out of range.
 pub(crate) fn check_iteration(steps: u32, tolerance: f64) -> Result<(), Error> {
     if steps == 0 {
-        return Err(Error::invalid("steps", steps, "give at least 1"));
+        return Err(Error::out_of_range("steps", steps, "give at least 1"));
     }
     real("tolerance", tolerance, 0.0, false).map(|_| ())
 }

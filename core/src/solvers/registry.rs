@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use crate::device::quantization::Quantization;
 use crate::error;
-use crate::error::{Error, same_name};
+use crate::error::{Error, ErrorCode, same_name};
 use crate::scene::{Choice, Options, Value};
 use crate::solvers::best::Best;
 use crate::solvers::bounded::Bounded;
@@ -157,12 +157,12 @@ fn set_all(
     set: &mut dyn FnMut(&str, &Value) -> Result<(), Error>,
 ) -> Result<(), Error> {
     for (name, value) in options {
-        set(name, value).map_err(|error| match error {
-            Error::Unknown { name, known, hint, .. } => {
-                let hint = hint_of_owners(&name).unwrap_or(hint);
-                Error::Unknown { kind: format!("option of {method}"), name, hint, known }
+        set(name, value).map_err(|mut error| {
+            if error.code == ErrorCode::Unknown {
+                error.hint = hint_of_owners(name).unwrap_or_else(|| core::mem::take(&mut error.hint));
+                error.item = format!("option of {method}");
             }
-            other => other,
+            error
         })?;
     }
     Ok(())

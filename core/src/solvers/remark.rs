@@ -3,10 +3,13 @@
 //! They concern targets that are beyond reach or too weak, phases that are not used, a remaining scale, a bound that
 //! allows no change, and a focus so loud that harmonics matter.
 
+use alloc::format;
+use alloc::vec::Vec;
 use core::f64::consts::TAU;
 use core::fmt;
 
 use crate::device::quantization::steps_within;
+use crate::error::{ErrorCode, Notice};
 use crate::math;
 use crate::problem::{Beyond, Problem, Solution};
 use crate::scene::Aim;
@@ -58,52 +61,65 @@ pub enum Remark {
 
 impl fmt::Display for Remark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.notice().fmt(f)
+    }
+}
+
+impl Remark {
+    /// Returns the parts of the warning.
+    #[must_use]
+    pub fn notice(&self) -> Notice {
         match self {
-            Self::Beyond(beyond) => beyond.fmt(f),
-            Self::Missed(error) => write!(
-                f,
-                "the pressures are missed by {:.1} % of their root mean square: ask for less, or for fewer points",
-                100.0 * error
-            ),
+            Self::Beyond(beyond) => beyond.notice(),
+            Self::Missed(error) => {
+                let value = format!("{:.1} % of their root mean square", 100.0 * error);
+                Notice::new(ErrorCode::Missed, "the pressures", value, "ask for less, or for fewer points")
+                    .verb("are missed by")
+                    .other(format_args!("{:.1} %", 100.0 * error))
+            }
             Self::Weak(part) => {
-                f.write_str("targets are ")?;
-                if *part < 0.01 { write!(f, "{part:.1e}") } else { write!(f, "{part:.2}") }?;
-                f.write_str(
-                    " of the balanced level: foci this weak come out smeared or too loud, balance=True cures it",
-                )
+                let part = if *part < 0.01 { format!("{part:.1e}") } else { format!("{part:.2}") };
+                let cure = "foci this weak come out smeared or too loud, balance=True cures it";
+                Notice::new(ErrorCode::Weak, "targets", format!("{part} of the balanced level"), cure)
+                    .verb("are")
+                    .other(part)
             }
             Self::PhasesUnused => {
-                f.write_str("the phases of the pressures are not used by this solver, only |p|: these use them: ")?;
-                let users = SOLVERS.iter().filter(|entry| entry.uses_phases());
-                users.enumerate().try_for_each(|(k, entry)| {
-                    let gap = if k == 0 { "" } else { ", " };
-                    write!(f, "{gap}{}", entry.info.name)
-                })
+                let users = SOLVERS.iter().filter(|entry| entry.uses_phases()).map(|entry| entry.info.name);
+                let cure = format!("these use them: {}", users.collect::<Vec<_>>().join(", "));
+                let value = "not used by this solver, only |p|";
+                Notice::new(ErrorCode::PhasesUnused, "the phases of the pressures", value, cure).verb("are")
             }
-            Self::Leak { leak, quiet, able } => write!(
-                f,
-                "quiet points leak {leak:.1e} of the loudest point where quiet={quiet} allows less: the array silences about \
-                 {able} that are a wavelength apart, allow more or ask for fewer"
-            ),
-            Self::Harmonic { share, pressure } => write!(
-                f,
-                "at {:.1} kPa the second harmonic, which is not in the model, is estimated at {share:.2} of |p|: the real focus is \
-                 weaker; request less, or measure it",
-                pressure / 1e3
-            ),
+            Self::Leak { leak, quiet, able } => {
+                let value = format!("{leak:.1e} of the loudest point where quiet={quiet} allows less");
+                let cure =
+                    format!("the array silences about {able} that are a wavelength apart, allow more or ask for fewer");
+                Notice::new(ErrorCode::Leak, "quiet points", value, cure).verb("leak").other(able)
+            }
+            Self::Harmonic { share, pressure } => {
+                let pressure = format!("{:.1} kPa", pressure / 1e3);
+                let item = format!("at {pressure} the second harmonic, which is not in the model,");
+                let cure = "the real focus is weaker; request less, or measure it";
+                Notice::new(ErrorCode::Harmonic, item, format!("{share:.2} of |p|"), cure)
+                    .verb("is estimated at")
+                    .other(pressure)
+            }
             Self::Still { change, phases } => {
                 let step = TAU / f64::from(*phases);
-                write!(
-                    f,
-                    "change is {change:.3} rad a frame, less than a step of the board's {phases} phases, {step:.3} rad: no \
-                     phase changes and the drive stands still; give 2 pi/{phases} or more, and fewer frames a second where \
+                let value =
+                    format!("{change:.3} rad a frame, less than a step of the board's {phases} phases, {step:.3} rad");
+                let cure = format!(
+                    "no phase changes and the drive stands still; give 2 pi/{phases} or more, and fewer frames a second where \
                      the transducers need the time"
-                )
+                );
+                Notice::new(ErrorCode::Still, "change", value, cure).other(format_args!("{step:.3} rad"))
             }
-            Self::Scaled(scale) => write!(
-                f,
-                "the device has no such amplitude: scale all drives by {scale:.4} by supply or modulation (solution.scale)"
-            ),
+            Self::Scaled(scale) => {
+                let cure = format!("scale all drives by {scale:.4} by supply or modulation (solution.scale)");
+                Notice::new(ErrorCode::Scaled, "the device", "no such amplitude", cure)
+                    .verb("has")
+                    .other(format_args!("{scale:.4}"))
+            }
         }
     }
 }

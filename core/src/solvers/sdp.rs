@@ -72,7 +72,7 @@ impl Method for Sdp {
         real("alpha", self.alpha, 0.0, true)?;
         real("lambda", self.lambda, 0.0, true)?;
         if self.lambda >= 1.0 {
-            return Err(Error::invalid("lambda", self.lambda, "give a number above 0 and below 1"));
+            return Err(Error::out_of_range("lambda", self.lambda, "give a number above 0 and below 1"));
         }
         Ok(())
     }

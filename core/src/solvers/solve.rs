@@ -76,7 +76,7 @@ pub(crate) fn solve_after(
     }
     let quantized = |solution: Solution| quantized(solution, factor, work, control);
     match solution.and_then(quantized) {
-        Err(Error::Stopped) => Ok(Solution::silent(problem, work).spread()),
+        Err(error) if error.is_stop() => Ok(Solution::silent(problem, work).spread()),
         Ok(mut solution) => {
             if problem.missed(solver.meets_targets(), solver.quiet(), &solution).is_some() {
                 solution.status = Status::Missed;

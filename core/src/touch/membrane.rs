@@ -53,7 +53,7 @@ impl Membrane {
     pub fn new(speed: f64, loss: f64, mass: f64) -> Result<Self, Error> {
         for (item, value) in [("speed", speed), ("loss", loss), ("mass", mass)] {
             if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::invalid(item, value, "give a number above 0"));
+                return Err(Error::out_of_range(item, value, "give a number above 0"));
             }
         }
         let elastic = Complex64::new(1.0, loss);

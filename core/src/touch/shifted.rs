@@ -94,7 +94,7 @@ impl Shifted {
         let count = self.shares.len();
         if loads.len() != shifts.len() * count {
             let cure = format!("give {count} for each of the {} shifts", shifts.len());
-            return Err(Error::invalid("loads", format!("{} numbers", loads.len()), cure));
+            return Err(Error::shape("loads", format!("{} numbers", loads.len()), cure));
         }
         control.room("the factors", [count, self.factor.rows.len()], bytes(8 * SHIFTS, &[self.factor.rows.len()]))?;
         let matrix =

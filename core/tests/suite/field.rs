@@ -294,7 +294,7 @@ fn a_stop_gives_nothing_and_each_step_is_announced_once() {
     let (all, steps) = watched(usize::MAX);
     assert_eq!(all, Ok(40_000));
     assert!(steps.len() > 1 && steps.iter().enumerate().all(|(k, step)| *step == (k + 1, steps.len())), "{steps:?}");
-    assert_eq!(watched(1), (Err(Error::Stopped), steps[..1].to_vec()));
+    assert_eq!(watched(1), (Err(Error::stopped()), steps[..1].to_vec()));
 }
 
 #[test]

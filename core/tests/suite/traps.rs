@@ -150,7 +150,7 @@ fn a_potential_can_be_stopped() {
     let drive = vec![Complex32::ONE; 128];
     let mut stop = Stop;
     let answer = gorkov(&model, &drive, &points, Particle::default(), &mut Control::watched(&mut stop));
-    assert_eq!(answer.err(), Some(Error::Stopped));
+    assert_eq!(answer.err(), Some(Error::stopped()));
 }
 
 #[test]
@@ -211,7 +211,7 @@ fn traps_of_a_lap_become_stiffer_within_the_bound() {
     assert!(mean(&stiff) > 1.05 * mean(&codes), "{} {}", mean(&stiff), mean(&codes));
     let mut stop = Stop;
     let stopped = stiffen(&model, &lap, &how, (100.0, 1), &mut stiff, &mut Control::watched(&mut stop));
-    assert_eq!(stopped.err(), Some(Error::Stopped));
+    assert_eq!(stopped.err(), Some(Error::stopped()));
     let short = stiffen(&model, &lap, &how, (100.0, 1), &mut stiff[1..], &mut Control::none());
     assert!(short.expect_err("a refusal").to_string().starts_with("codes is 3199 of them"));
 }

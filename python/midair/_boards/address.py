@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .._midair import Codec, numbers, unknown
+from .._midair import Codec, numbers, nearest
 from .._support.arguments import is_array, number, refused, word
 from .board import Board
 from .errors import BoardError
@@ -64,7 +64,8 @@ def parse(address: Any) -> Address:
     if kind not in KINDS:
         if re.match(r"/dev/|COM\d", text):
             raise refused("address", text, f"write the board before its port, as in sonicsurface:{text}")
-        hint, _ = unknown("board", kind, list(KINDS))
+        meant = nearest(kind, list(KINDS))
+        hint = f"did you mean {meant}? " if meant else ""
         known = ", ".join(("null", "file:PATH", "autd3", *_examples()))
         raise refused("address", text, f"there is no such board, {hint}give one of {known}")
     if where in ("null", "loop"):

@@ -240,11 +240,8 @@ def _from_files(
     array = Array.preset("openmpd_board" if len(boards) == 1 else "openmpd_pair", mask=live)
     for path, board in zip(paths, boards, strict=True):
         if np.abs(board.positions - Array.preset("openmpd_board").positions).max() > 1e-3:
-            raise refused(
-                "board",
-                path,
-                "its positions are not those of an OpenMPD board: use Array.from_file and channels=",
-            )
+            cure = "its positions are not those of an OpenMPD board: use Array.from_file and channels="
+            raise refused("board", path, cure)
     pins = [np.asarray(board.pins) + 256 * k for k, board in enumerate(boards)]
     degrees = np.concatenate([board.corrections for board in boards])
     return "openmpd", array, np.concatenate(pins), np.deg2rad(degrees)

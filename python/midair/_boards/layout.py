@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, SceneError, array_parts
+from .._midair import Array, array_parts, stated
 
 #: Largest errors of a transducer that still counts as part of an AUTD3 board: of its place in mm, of its
 #: normal in rad.
@@ -55,10 +55,8 @@ def autd3_boards(array: Array) -> int:
     sites = 1e3 * Array.preset("autd3").positions
     boards, rest = divmod(len(array), len(sites))
     if rest or not boards:
-        raise SceneError(
-            f"array of {len(array)} transducers is none of AUTD3 boards: each has {len(sites)}, "
-            'in the order of midair.Array.preset("autd3")'
-        )
+        cure = f'each has {len(sites)}, in the order of midair.Array.preset("autd3")'
+        raise stated("array", f"of {len(array)} transducers is none of AUTD3 boards", cure)
     centred = sites - sites.mean(0)
     for first in range(0, len(array), len(sites)):
         block = slice(first, first + len(sites))
@@ -70,15 +68,12 @@ def autd3_boards(array: Array) -> int:
         lean = np.linalg.norm(array.normals[block] - axes[2], axis=1)
         refused = f"transducers {first} to {block.stop - 1} are no AUTD3 board"
         if off.max() > TOLERANCE_MM:
-            raise SceneError(
-                f"{refused}: transducer {first + int(off.argmax())} lies {off.max():.3g} mm off its place; "
-                f'give them in the order of midair.Array.preset("autd3"), to {TOLERANCE_MM} mm'
-            )
+            found = f"transducer {first + int(off.argmax())} lies {off.max():.3g} mm off its place"
+            cure = f'give them in the order of midair.Array.preset("autd3"), to {TOLERANCE_MM} mm'
+            raise stated("", refused, f"{found}; {cure}")
         if lean.max() > LEAN:
             at = first + int(lean.argmax())
             facing, board = ((np.round(each, 4) + 0.0).tolist() for each in (array.normals[at], axes[2]))
-            raise SceneError(
-                f"{refused}: transducer {at} faces {facing}, the board {board}; "
-                "give normals that way, or count the rows from the other end"
-            )
+            cure = "give normals that way, or count the rows from the other end"
+            raise stated("", refused, f"transducer {at} faces {facing}, the board {board}; {cure}")
     return boards

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene, SceneError, Solution, field, numbers
+from .._midair import Array, Scene, SceneError, Solution, field, numbers, stated
 from .._points.ear import Ear
 from .._sequence import Sequence
 from .._support.arguments import is_array, refused, warn
@@ -112,8 +112,8 @@ def refuse_elsewhere(board: Board, array: Array) -> None:
         found = f"an array whose transducer {at} lies {1e3 * apart[at]:.3g} mm from the board's"
     else:
         return
-    raise SceneError(
-        f"the drive was solved for {found}: solve for connection.board.array, or connect with array="
+    raise stated(
+        "the drive", f"was solved for {found}", "solve for connection.board.array, or connect with array="
     )
 
 

@@ -62,24 +62,24 @@ def read(path: str | PathLike[str]) -> Pat:
     lines += [""] * (len(LINES) - len(lines))
     for line, (what, found) in enumerate(zip(LINES, lines, strict=False), 1):
         if not found.strip():
-            raise fault(path, line, f"the {what} are missing: a .pat file has seven lines")
+            raise fault(path, line, f"the {what} are missing", "a .pat file has seven lines")
     count = _whole(path, 2, lines[1], COUNT, COUNT)
     divisions = _whole(path, 3, lines[2], 2, 65536)
     positions = _positions(path, lines[3])
     pins = _list(path, 5, lines[4])
     wrong = (pins != np.rint(pins)) | (pins < 0) | (pins >= count)
     if wrong.any():
-        raise fault(path, 5, f"pin {pins[wrong][0]:g} is none: give each of 0 to {count - 1} once")
+        raise fault(path, 5, f"pin {pins[wrong][0]:g} is none", f"give each of 0 to {count - 1} once")
     often = np.bincount(pins.astype(np.int64), minlength=count)
     if (often != 1).any():
         twice, missing = int(often.argmax()), int(often.argmin())
         cure = f"give each of 0 to {count - 1} once"
-        raise fault(path, 5, f"pin {twice} is there {often[twice]} times, pin {missing} is missing: {cure}")
+        raise fault(path, 5, f"pin {twice} is there {often[twice]} times, pin {missing} is missing", cure)
     corrections, gains = _list(path, 6, lines[5]), _list(path, 7, lines[6])
     if (gains < 0).any():
-        raise fault(path, 7, f"gain {gains[gains < 0][0]:g} is negative: give 1, or 0 where it is dead")
+        raise fault(path, 7, f"gain {gains[gains < 0][0]:g} is negative", "give 1, or 0 where it is dead")
     if len(lines) > len(LINES):
-        raise fault(path, 8, f"{len(lines)} lines: a .pat file has seven")
+        raise fault(path, 8, f"{len(lines)} lines", "a .pat file has seven")
     board = Pat(lines[0].strip(), positions, divisions, pins.astype(np.int64), corrections, gains)
     for values in (board.positions, board.pins, board.corrections, board.gains):
         values.flags.writeable = False
@@ -90,7 +90,7 @@ def _whole(path: str | PathLike[str], line: int, found: str, least: int, most: i
     what, value = LINES[line - 1], found.strip().rstrip(",")
     if not (value.isascii() and value.isdecimal() and least <= int(value[:9]) <= most):
         bound = f"{least}" if least == most else f"a whole number from {least} to {most}"
-        raise fault(path, line, f'{what} is "{value[:40]}": give {bound}')
+        raise fault(path, line, f'{what} is "{value[:40]}"', f"give {bound}")
     return int(value)
 
 
@@ -98,12 +98,14 @@ def _positions(path: str | PathLike[str], found: str) -> NDArray[np.float64]:
     triples = re.findall(r"\(([^()]*)\)", found)
     rest = re.sub(r"\([^()]*\)", "", found).replace(",", "").strip()
     if rest:
-        raise fault(path, 4, f'"{rest[:40]}" is no position: give (x, y, z) in m, with commas between')
+        raise fault(path, 4, f'"{rest[:40]}" is no position', "give (x, y, z) in m, with commas between")
     if len(triples) != COUNT:
-        raise fault(path, 4, f"{len(triples)} positions: give (x, y, z) in m for each of {COUNT} transducers")
+        raise fault(
+            path, 4, f"{len(triples)} positions", f"give (x, y, z) in m for each of {COUNT} transducers"
+        )
     for index, triple in enumerate(triples):
         if triple.count(",") != 2:
-            raise fault(path, 4, f"position {index} is ({triple}): give three numbers, x, y, z in m")
+            raise fault(path, 4, f"position {index} is ({triple})", "give three numbers, x, y, z in m")
     names = [f"{axis} of position {index}" for index in range(COUNT) for axis in "xyz"]
     cells = [cell.strip() for triple in triples for cell in triple.split(",")]
     return numbers(path, 4, cells, names).reshape(COUNT, 3)
@@ -114,5 +116,5 @@ def _list(path: str | PathLike[str], line: int, found: str) -> NDArray[np.float6
     what = LINES[line - 1]
     if len(cells) != COUNT:
         cure = f"give one for each of {COUNT} transducers in this line, with commas between"
-        raise fault(path, line, f"{len(cells)} {what}: {cure}")
+        raise fault(path, line, f"{len(cells)} {what}", cure)
     return numbers(path, line, cells, [f"{what.removesuffix('s')} {index}" for index in range(COUNT)])

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from itertools import count
 from typing import Any
 
-from .._midair import SceneError, Solution
+from .._midair import Solution, stated
 from .._support.arguments import number
 from . import connection as connections
 from .connection import Connection
@@ -67,7 +67,8 @@ def play(solution: Solution, address: str, *, seconds: float | None = None, **op
     """
     duration = None if seconds is None else number("seconds", seconds, above=0)
     if solution.scene is None:
-        raise SceneError("solution.scene is None: give a solution of a Scene, whose array the board drives")
+        cure = "give a solution of a Scene, whose array the board drives"
+        raise stated("solution.scene", "is None", cure, code="missing")
     given = {} if "board" in options else {"array": solution.scene.array}
     with connections.connect(address, **{**given, **options}) as connection:
         keep(connection, solution, duration)

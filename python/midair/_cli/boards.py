@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from .. import Array, Board, SceneError, connect, ports
+from .. import Array, Board, connect, ports
 from .._boards.address import KINDS, PAIR
 from .._support import output
+from .._support.arguments import refused
 from .._support.text import counted
 from .keywords import Json
 from .tables import console, print_columns, print_facts, print_line, print_list
@@ -29,7 +30,7 @@ def off_command(address: str) -> int:
     """
     alone = address.partition(":")[0].removesuffix(PAIR) not in (*KINDS, "null")
     if address.startswith("file:"):
-        raise SceneError(f'address is "{address}": a file plays nothing, give a board')
+        raise refused("address", address, "a file plays nothing, give a board")
     # A connection turns the board off when it opens and when it closes.
     whole = f"{BOARD}:{address}" if alone else address
     # An array for the longest chain turns off chains of any length.

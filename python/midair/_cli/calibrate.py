@@ -18,7 +18,9 @@ from .._measuring.doctor import LISTEN
 from .._measuring.doctor import plan as planned
 from .._measuring.player import REPORTS
 from .._measuring.result import ENDINGS
+from .._midair import restated, stated
 from .._support import output
+from .._support.arguments import refused
 from .._support.text import arrays
 from .keywords import OutputFile, of
 from .progress import progress_bar
@@ -55,8 +57,8 @@ def calibrate_command(
     check_outputs((output_file, ENDINGS), (image, output.IMAGES), taken=taken)
     found = _read(readings)
     if scene is None and "scene" not in found:
-        raise SceneError(
-            f'readings file "{readings}" has no scene: give its file by --scene, or save its text'
+        raise stated(
+            f'readings file "{readings}"', "has no scene", "give its file by --scene, or save its text"
         )
     believed = (
         Scene.load(scene) if scene is not None else Scene.parse(str(found["scene"]), name=str(readings))
@@ -164,7 +166,7 @@ def _place(words: str) -> list[float]:
     try:
         x, y, z = map(float, words.split(","))
     except ValueError:
-        raise SceneError(f'--microphone is "{words}": give x,y,z in m, as 0.03,0.02,0.15') from None
+        raise refused("--microphone", words, "give x,y,z in m, as 0.03,0.02,0.15") from None
     return [x, y, z]
 
 
@@ -172,14 +174,13 @@ def _read(path: Path) -> dict[str, Any]:
     try:
         found = arrays(path, KEYS)
     except SceneError as error:
-        raise SceneError(f'readings file "{path}": {error}') from error
+        raise restated(error, inside=f'readings file "{path}"') from error
     except ValueError as error:
-        raise SceneError(
-            f'readings file "{path}" is damaged, or no .npz: give what numpy.savez wrote'
-        ) from error
+        cure = "give what numpy.savez wrote"
+        raise stated(f'readings file "{path}"', "is damaged, or no .npz", cure, code="unreadable") from error
     for key in KEYS[:2]:
         if key not in found:
-            raise SceneError(
-                f'readings file "{path}" has no {key}: save {", ".join(KEYS[:4])} by numpy.savez'
+            raise stated(
+                f'readings file "{path}"', f"has no {key}", f"save {', '.join(KEYS[:4])} by numpy.savez"
             )
     return found

@@ -7,8 +7,8 @@ import io
 from pathlib import Path
 from typing import Any
 
-from .. import SceneError
 from .._judging.compare import Comparison, choices, growing
+from .._midair import stated
 from .._pictures.colours import Quantity
 from .._support import output
 from .keywords import Json, OutputFile
@@ -47,7 +47,7 @@ def compare_command(
         Balance every method, or (--no-balance) none; by default each method's own setting.
     """
     if json and output_file == STANDARD:
-        raise SceneError("--json and -o - both want standard output: leave one of them out")
+        raise stated("", "--json and -o - both want standard output", "leave one of them out")
     file = SceneFile(scene)
     file.check_outputs((output_file, TABLES), (image, output.IMAGES))
     request = file.scene()

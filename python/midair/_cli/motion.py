@@ -5,7 +5,8 @@ from __future__ import annotations
 import json as json_text
 from pathlib import Path
 
-from .. import SceneError, Sequence
+from .. import Sequence
+from .._midair import stated
 from .._sequence.animation import ENDINGS
 from .._sequence.document import Document, read
 from .._sequence.request import solver_name
@@ -55,12 +56,12 @@ def motion_command(
     """
     names = [solver_name(name.strip()) for name in solvers.split(",")] if solvers else []
     if len(names) > 1 and (output_file is not None or image is not None or animate is not None):
-        raise SceneError(f"--solvers is {solvers}: a file is of one sequence, give one solver")
+        raise stated("--solvers", f"is {solvers}", "a file is of one sequence, give one solver")
     outputs = (output_file, (".npz",)), (image, output.IMAGES), (animate, ENDINGS)
     check_outputs(*outputs, taken=[scene])
     requested = read(scene)
     if requested is None:
-        raise SceneError(f'scene file "{scene}" has no [motion]: add this table, as docs/motion.md shows')
+        raise stated(f'scene file "{scene}"', "has no [motion]", "add this table, as docs/motion.md shows")
     found = {name: _solved(requested, name, output_file) for name in names or [requested.solver]}
     if json:
         print(json_text.dumps({name: one.metrics.asdict() for name, one in found.items()}))

@@ -9,9 +9,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from .. import SceneError
 from .._files import ControlPoints, read, write
 from .._files.writing import ENDINGS
+from .._midair import stated
 from .._support import output
 from .scene import STANDARD, check_outputs
 from .tables import print_written
@@ -66,7 +66,7 @@ def new_command(scene: Path = Path("scene.toml")) -> int:
         print(starter, end="")
         return 0
     if os.path.lexists(scene):
-        raise SceneError(f'"{scene}" is there already: give another name, as in midair new my-scene.toml')
+        raise stated(f'"{scene}"', "is there already", "give another name, as in midair new my-scene.toml")
     output.check(scene, (".toml",))
     output.write(scene, starter.encode())
     print_written(f"{scene}; solve it with: midair solve {shlex.quote(str(scene))}")

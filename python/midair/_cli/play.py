@@ -17,13 +17,14 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.live import Live
 
-from .. import Array, Board, Connection, Scene, SceneError, Sequence, Solution, connect, presets, read, solve
+from .. import Array, Board, Connection, Scene, Sequence, Solution, connect, presets, read, solve
 from .._boards.address import DEFAULT, can_modulate, parse
 from .._boards.limit import APART
 from .._boards.playing import LOOK, keep
+from .._midair import stated
 from .._points.ear import REFERENCE
 from .._sequence import document
-from .._support.arguments import number, warn
+from .._support.arguments import number, refused, warn
 from .._support.text import counted
 from .progress import progress_bar, tell
 
@@ -89,7 +90,7 @@ def _seconds(text: str | None) -> float | None:
     found = re.fullmatch(r"(\d+\.?\d*|\.\d+)\s*(ms|s|min|h|)", text.strip())
     seconds = float(found[1]) * UNITS[found[2]] if found else math.nan
     if not 0 < seconds < math.inf:
-        raise SceneError(f'--for is "{text}": give a time such as 10s, 500ms or 2min')
+        raise refused("--for", text, "give a time such as 10s, 500ms or 2min")
     return seconds
 
 
@@ -98,12 +99,12 @@ def _thing(path: Path, solver: str | None, board: Callable[[Array], Board]) -> S
     if path.suffix.lower() not in (".toml", ".json"):
         found = read(path)
         if solver is not None:
-            raise SceneError(f"--solver is {solver}: {path} is solved already, leave it out")
+            raise stated("--solver", f"is {solver}", f"{path} is solved already, leave it out")
         if not isinstance(found, Solution | Sequence) or (
             isinstance(found, Solution) and found.scene is None
         ):
-            raise SceneError(
-                f'"{path}" does not say what array it is for: give what midair solve or motion wrote'
+            raise stated(
+                f'"{path}"', "does not say what array it is for", "give what midair solve or motion wrote"
             )
         return found
     moving = document.read(path)
@@ -130,9 +131,7 @@ def board_of(name: str, array: Array) -> Board:
     one, pair = FIXED[board.name]
     if len(array) % presets()[one].count:
         cure = f'give a scene of its array, preset = "{one}"'
-        raise SceneError(
-            f"the array has {len(array)} transducers, {board.name} {presets()[one].count}: {cure}"
-        )
+        raise stated("the array", f"has {len(array)} transducers, {board.name} {presets()[one].count}", cure)
     # AUTD3 boards may stand anywhere.
     known = array if board.name == "autd3" else Array.preset((one, pair)[board.boards - 1])
     if np.abs(known.positions - array.positions).max() > APART:

@@ -7,9 +7,10 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from .. import Array, Scene, SceneError
-from .._midair import scene_files
+from .. import Array, Scene
+from .._midair import scene_files, stated
 from .._support import output
+from .._support.arguments import refused
 
 #: File name that means standard input or output.
 STANDARD = Path("-")
@@ -50,11 +51,16 @@ def typed_scene(
     """Return a scene without a file: an array by its preset, and points one by one."""
     example = "--preset autd3 --at 0,0,0.15"
     if preset is None and not at:
-        raise SceneError(f"scene is left out: give a scene file (midair new writes one), or {example}")
+        raise stated(
+            "scene", "is left out", f"give a scene file (midair new writes one), or {example}", code="missing"
+        )
     if preset is None:
-        raise SceneError(f"--preset is left out: say which array, as in {example}; midair presets lists them")
+        cure = f"say which array, as in {example}; midair presets lists them"
+        raise stated("--preset", "is left out", cure, code="missing")
     if not at:
-        raise SceneError(f"--at is left out: give the points, as in {example} --at 0.02,0,0.15")
+        raise stated(
+            "--at", "is left out", f"give the points, as in {example} --at 0.02,0,0.15", code="missing"
+        )
     points = [numbers("--at", point, 3, "three numbers in m, such as --at 0,0,0.15") for point in at]
     pressures = None
     if pressure is not None:
@@ -63,7 +69,7 @@ def typed_scene(
         pressures = numbers("--pressure", pressure, (1, len(points)), cure)
     boards = numbers("--tiles", tiles or "1,1", 2, "boards along x and y, such as --tiles 2,2")
     if not all(number.is_integer() for number in boards):
-        raise SceneError(f"--tiles is {tiles}: give whole numbers, such as --tiles 2,2")
+        raise stated("--tiles", f"is {tiles}", "give whole numbers, such as --tiles 2,2")
     array = Array.preset(preset, (int(boards[0]), int(boards[1])))
     return Scene(array, points, pressures[0] if pressures and len(pressures) == 1 else pressures)
 
@@ -76,7 +82,7 @@ def numbers(name: str, text: str, count: int | tuple[int, ...], cure: str) -> li
         numbers = []
     counts = (count,) if isinstance(count, int) else count
     if len(numbers) not in counts or not all(map(math.isfinite, numbers)):
-        raise SceneError(f'{name} is "{text}": give {cure}')
+        raise refused(name, text, f"give {cure}")
     return numbers
 
 

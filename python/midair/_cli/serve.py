@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import sys
 
-from .. import Connection, SceneError, connect
+from .. import Connection, connect
+from .._support.arguments import needs
 from .progress import tell
-
-MISSING = 'serve needs websockets and python-osc: pip install "midair[serve]"'
 
 #: Longest time in s for which one of this program's threads computes while another one is to play a frame.
 SWITCH = 5e-4
@@ -44,7 +43,7 @@ def serve_command(
         from .._serve.live import Live
         from .._serve.server import PointServer
     except ImportError as error:
-        raise SceneError(MISSING) from error
+        raise needs("serve", "websockets and python-osc", "serve") from error
 
     def connected() -> Connection:
         return connect(on, hold=SILENCE)

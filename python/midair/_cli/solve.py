@@ -9,8 +9,8 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from .. import Scene, SceneError, Solution, field, solve, solvers
-from .._midair import unknown
+from .. import Scene, Solution, field, solve, solvers
+from .._midair import nearest, stated
 from .._pictures.colours import Quantity
 from .._support import output
 from .._support.ctrl_c import interruptible
@@ -75,11 +75,11 @@ def solve_command(
     """
     typed = (preset, tiles, at, pressure)
     if scene is not None and any(typed):
-        raise SceneError("--preset, --tiles, --at and --pressure go without a scene file: change the file")
+        raise stated("", "--preset, --tiles, --at and --pressure go without a scene file", "change the file")
     if json and output_file == STANDARD:
-        raise SceneError("--json and -o - both want standard output: leave one of them out")
+        raise stated("", "--json and -o - both want standard output", "leave one of them out")
     if image == STANDARD:
-        raise SceneError('--image is "-": give a file')
+        raise stated("--image", 'is "-"', "give a file")
     outputs = (output_file, output.DRIVES), (image, output.IMAGES)
     if scene is None:
         check_outputs(*outputs)
@@ -133,12 +133,12 @@ def _values(options: dict[str, str]) -> dict[str, Any]:
     for name, text in options.items():
         key = name.replace("-", "_")
         if key in {"pressures", "weights", "start", "progress", "trace"}:
-            raise SceneError(
-                f"--{name} is no option of the command line: put it into the scene file or use Python"
+            raise stated(
+                f"--{name}", "is no option of the command line", "put it into the scene file or use Python"
             )
-        if key not in methods and (hint := unknown("option", key, own)[0]):
-            meant = hint.strip().replace("mean ", "mean --")
-            raise SceneError(f"--{name} is no option of midair solve or of a method: {meant}")
+        if key not in methods and (meant := nearest(key, own)):
+            words = "is no option of midair solve or of a method"
+            raise stated(f"--{name}", words, f"did you mean --{meant}?", code="unknown")
         try:
             value = json_text.loads(text)
         except (ValueError, RecursionError):

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from rich import box
 from rich.table import Table
 
-from .. import SceneError
+from .._midair import stated
 from .._support.output import METRICS
 from .._support.text import array, counted
 from .._sweep import dataset, sweep, work
@@ -116,7 +116,7 @@ def dataset_command(
 
     if judge is None:
         if output_folder is None:
-            raise SceneError("--output is missing: give a folder for the data set")
+            raise stated("--output", "is missing", "give a folder for the data set", code="missing")
         with progress_bar("solving") as tell:
             made = dataset(request, output_folder, progress=tell, **keywords)
         print_written(f"{counted(made.manifest['scenes'], 'scene')} to {output_folder}, every tenth held out")
@@ -136,7 +136,7 @@ def drives_of(path: Path) -> np.ndarray[Any, Any]:
     try:
         drives = array(path)
     except (OSError, ValueError) as error:
-        raise SceneError(f'"{path}" cannot be read as drives: {cure}') from error
+        raise stated(f'"{path}"', "cannot be read as drives", cure, code="unreadable") from error
     if drives.dtype.kind not in "fc":
-        raise SceneError(f'"{path}" has no drives: {cure}')
+        raise stated(f'"{path}"', "has no drives", cure)
     return drives

@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from .. import SceneError, exposure, solve
+from .. import exposure, solve
 from .._judging.tolerate import Trials, tolerate
+from .._midair import stated
 from .._support import output
 from .keywords import Json, Places, SceneName, SolverName, of
 from .progress import progress_bar
@@ -44,7 +45,7 @@ def exposure_command(
         corners = numbers("--box", text, 6, "two corners in m, such as --box 0,0.1,0.5,0.03,0.13,0.53")
         places[text] = [corners[:3], corners[3:]]
     if not places:
-        raise SceneError("--at is left out: give places such as --at 0,0.1,0.5, or a --box")
+        raise stated("--at", "is left out", "give places such as --at 0,0.1,0.5, or a --box", code="missing")
     request = SceneFile(scene).scene()
     with progress_bar("solving"):
         solution = solve(request, solver)

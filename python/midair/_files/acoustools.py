@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, SceneError
+from .._midair import Array, stated
 from .._support.arguments import warn
 from .._support.text import MOST_BYTES, content, fault, number, numbers, rows, text, unpacked
 from .played import Played, one_or_more
@@ -48,7 +48,9 @@ FULL = 1 - 1e-3
 def own_order(array: Array | None, transducers: int) -> NDArray[np.intp]:
     """Return the indices (N,) of midair's transducers in AcousTools' order."""
     if array is not None and len(array) != transducers:
-        raise SceneError(f"drives of {transducers} transducers, an array of {len(array)}: give another board")
+        raise stated(
+            "drives", f"of {transducers} transducers, an array of {len(array)}", "give another board"
+        )
     if transducers != PAIR:
         return np.arange(transducers)
     array = Array.preset("openmpd_pair") if array is None else array
@@ -62,8 +64,11 @@ def own_order(array: Array | None, transducers: int) -> NDArray[np.intp]:
                 found.append(np.where(board, away, np.inf).argmin())
                 if not (board.any() and away[found[-1]] < NEAR):
                     cure = "give drives of openmpd_pair, or another format"
-                    raise SceneError(
-                        f"the array has 512 transducers, but not those of two OpenMPD boards: {cure}"
+                    raise stated(
+                        "the array",
+                        "has 512 transducers, but not those of two OpenMPD boards",
+                        cure,
+                        code="conflict",
                     )
     return np.array(found)
 
@@ -100,19 +105,19 @@ def read(path: str | PathLike[str], data: bytes, array: Array | None = None) -> 
     # A number has at least two bytes, including its separator.
     if not 2 <= 2 * frames * transducers <= len(data):
         reported = f"{frames} frames of {transducers} transducers are stated, more than the file can contain"
-        raise fault(path, line, f"{reported}: get the file again")
+        raise fault(path, line, reported, "get the file again")
     order = csv_order(array, transducers)
     drives = np.empty((frames, transducers), np.complex64)
     frame = 0
     for line, cells in table:
         if frame == frames:
-            raise fault(path, line, f"{frames} frames are stated and more are there: get the file again")
+            raise fault(path, line, f"{frames} frames are stated and more are there", "get the file again")
         if len(cells) != transducers:
-            raise fault(path, line, f"{len(cells)} phases: give one for each of {transducers} transducers")
+            raise fault(path, line, f"{len(cells)} phases", f"give one for each of {transducers} transducers")
         drives[frame, order] = np.exp(1j * numbers(path, line, cells))
         frame += 1
     if frame < frames:
-        raise fault(path, line, f"{frames} frames are stated and {frame} are there: get the file again")
+        raise fault(path, line, f"{frames} frames are stated and {frame} are there", "get the file again")
     return one_or_more(drives)
 
 
@@ -121,7 +126,7 @@ def write_holo(path: Path, drives: Played) -> None:
     size = drives.frames * 2 * (drives.transducers + 1) * BYTES
     if size > MOST_BYTES:
         reported = f"{drives.frames} frames of {drives.transducers} transducers are {size >> 20} MB unpacked"
-        raise SceneError(f"{reported}: a .holo file holds {MOST_BYTES >> 20} MB at most, write parts of it")
+        raise stated("", reported, f"a .holo file holds {MOST_BYTES >> 20} MB at most, write parts of it")
     order = own_order(drives.array, drives.transducers)
     packer = zlib.compressobj()
     with path.open("wb") as stream:
@@ -138,25 +143,25 @@ def read_holo(path: str | PathLike[str], array: Array | None = None) -> NDArray[
     """Return the drives in a .holo: (N,) for one frame, else (T, N)."""
     data = unpacked(path, content(path), "zlib")
     if not data or len(data) % BYTES:
-        raise fault(path, None, f"{len(data)} bytes are in it: give whole numbers of {BYTES} bytes each")
+        raise fault(path, None, f"{len(data)} bytes are in it", f"give whole numbers of {BYTES} bytes each")
     packed = np.frombuffer(data, np.uint8).reshape(-1, BYTES)
     codes = packed[:, -1]
     wrong = np.flatnonzero(packed[:, :-1].any(axis=1) | ((codes > STEPS) & (codes != END)))
     if len(wrong):
         value = int.from_bytes(packed[wrong[0]].tobytes(), "big")
         raise fault(
-            path, None, f"number {wrong[0]} is {value}: give 0 to {STEPS}, and {END} at the end of a list"
+            path, None, f"number {wrong[0]} is {value}", f"give 0 to {STEPS}, and {END} at the end of a list"
         )
     ends = np.flatnonzero(codes == END)
     transducers = int(ends[0]) if len(ends) else 0
     if not transducers:
-        raise fault(path, None, f"no list of phases is in it: end it with {END}")
+        raise fault(path, None, "no list of phases is in it", f"end it with {END}")
     frames = len(codes) // (2 * (transducers + 1))
     expected = (np.arange(2 * frames) + 1) * (transducers + 1) - 1
     if len(codes) != 2 * frames * (transducers + 1) or not np.array_equal(ends, expected):
         reported = f"{len(ends)} lists are in it, and not all of {transducers} numbers"
         raise fault(
-            path, None, f"{reported}: give phases and amplitudes of every frame, each list of one length"
+            path, None, reported, "give phases and amplitudes of every frame, each list of one length"
         )
     lists = codes.reshape(frames, 2, transducers + 1)[:, :, :-1]
     code = np.arange(STEPS + 1)

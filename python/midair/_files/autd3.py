@@ -27,23 +27,24 @@ def read(path: str | PathLike[str]) -> Layout:
     try:
         boards = json.loads(text(path), parse_int=float)
     except json.JSONDecodeError as error:
-        reason = f"it is no JSON ({error.msg}): give what Geometry.to_json wrote"
-        raise fault(path, error.lineno, reason) from error
+        raise fault(
+            path, error.lineno, f"it is no JSON ({error.msg})", "give what Geometry.to_json wrote"
+        ) from error
     except RecursionError as error:
-        raise fault(path, None, "its lists nest too deep: give what Geometry.to_json wrote") from error
+        raise fault(path, None, "its lists nest too deep", "give what Geometry.to_json wrote") from error
     if not isinstance(boards, list):
         cure = "give a list of boards, as Geometry.to_json writes"
         if isinstance(boards, dict) and "array" in boards:
             cure = "this is a scene file, read it by midair.Scene.load"
-        raise fault(path, None, f"it is no list: {cure}")
+        raise fault(path, None, "it is no list", cure)
     if not 1 <= len(boards) <= MOST_BOARDS:
-        raise fault(path, None, f"{len(boards)} boards: give 1 to {MOST_BOARDS}")
+        raise fault(path, None, f"{len(boards)} boards", f"give 1 to {MOST_BOARDS}")
     origins = np.array([_numbers(path, index, board, "origin", "xyz") for index, board in enumerate(boards)])
     turns = np.array([_numbers(path, index, board, "rotation", "wxyz") for index, board in enumerate(boards)])
     for index, length in enumerate(np.linalg.norm(turns, axis=1)):
         if abs(length - 1) > 1e-3:
             raise fault(
-                path, None, f"rotation of board {index} has length {length:g}: give a unit quaternion"
+                path, None, f"rotation of board {index} has length {length:g}", "give a unit quaternion"
             )
     board = Array.preset("autd3")
     own = board.positions - board.positions[0]
@@ -65,5 +66,5 @@ def _numbers(path: str | PathLike[str], index: int, board: Any, name: str, axes:
     if not plain or not all(type(one) is float and np.isfinite(one) for one in found or []):
         reported = json.dumps(found)[:60]
         cure = f"give [{', '.join(axes)}]{', in mm' if name == 'origin' else ', a unit quaternion'}"
-        raise fault(path, None, f"{name} of board {index} is {reported}: {cure}")
+        raise fault(path, None, f"{name} of board {index} is {reported}", cure)
     return np.array(found, np.float64)

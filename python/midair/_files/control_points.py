@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import SceneError, numbers
+from .._midair import numbers, stated
 from .._sequence import Sequence
 from .._support.arguments import number
 from .._support.text import columns, fault, picked, rows, text
@@ -73,7 +73,7 @@ def control_points(given: Any, rate: float | None, modulate: float | None) -> Co
 
 def _rate(rate: float | None) -> float:
     if rate is None:
-        raise SceneError("rate is left out: give frames a second")
+        raise stated("rate", "is left out", "give frames a second", code="missing")
     return number("rate", rate, above=0)
 
 
@@ -104,7 +104,7 @@ def read(path: str | PathLike[str], data: bytes) -> ControlPoints:
     wanted = (*COLUMNS, FREQUENCY) if FREQUENCY in where else COLUMNS
     each = [(line, picked(path, line, row, where, wanted)) for line, row in table]
     if not each:
-        raise fault(path, None, f"no point is in it: {CURE}")
+        raise fault(path, None, "no point is in it", CURE)
     lines, values = [line for line, _ in each], np.array([row for _, row in each])
     _check(path, lines, values)
     starts = np.flatnonzero(np.diff(values[:, 0], prepend=-np.inf))
@@ -113,7 +113,7 @@ def read(path: str | PathLike[str], data: bytes) -> ControlPoints:
         frame = int(np.argmax(counts != counts[0]))
         reported = f"{counts[frame]} points at t = {values[starts[frame], 0]:g}"
         cure = f"give {counts[0]} at every t, with intensity 0 where one is not there"
-        raise fault(path, lines[starts[frame]], f"{reported}: {cure}")
+        raise fault(path, lines[starts[frame]], reported, cure)
     frames = values.reshape(len(starts), counts[0], len(wanted))
     frequencies = frames[:, :, 5] if len(wanted) == 6 else None
     return ControlPoints(frames[:, 0, 0], frames[:, :, 1:4], frames[:, :, 4], frequencies)
@@ -129,4 +129,4 @@ def _check(path: str | PathLike[str], lines: list[int], values: Numbers) -> None
     for reported, (cure, wrong) in bad.items():
         if wrong.any():
             row = int(wrong.argmax())
-            raise fault(path, lines[row], f"{reported.format(*values[row])}: {cure}")
+            raise fault(path, lines[row], f"{reported.format(*values[row])}", cure)

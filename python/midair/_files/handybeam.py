@@ -22,7 +22,7 @@ def read(path: str | PathLike[str], root: Element) -> Layout:
         found = [child for element in found for child in element.children if child.name == name]
     if not found:
         raise fault(
-            path, None, "no System/Transducers/Transducer is in it: give an array of HandyBeam or Ultraino"
+            path, None, "no System/Transducers/Transducer is in it", "give an array of HandyBeam or Ultraino"
         )
     positions = np.full((len(found), 3), np.nan)
     mask = np.ones(len(found), np.bool_)
@@ -30,15 +30,15 @@ def read(path: str | PathLike[str], root: Element) -> Layout:
         index = element.attributes.get("Index", "")
         cure = f"give each of 0 to {len(found) - 1} once"
         if not (index.isascii() and index.isdecimal() and int(index[:9]) < len(found)):
-            raise fault(path, element.line, f'Index is "{index[:40]}": {cure}')
+            raise fault(path, element.line, f'Index is "{index[:40]}"', cure)
         place = int(index)
         if not np.isnan(positions[place, 0]):
-            raise fault(path, element.line, f"Index {place} is there twice: {cure}")
+            raise fault(path, element.line, f"Index {place} is there twice", cure)
         for axis, name in enumerate(("Xmm", "Ymm", "Zmm")):
             cell = element.attributes.get(name, "")
             value = number(cell)
             if value is None:
-                raise fault(path, element.line, f'{name} is "{cell[:40]}": give a finite number in mm')
+                raise fault(path, element.line, f'{name} is "{cell[:40]}"', "give a finite number in mm")
             positions[place, axis] = value / 1e3
         mask[place] = element.attributes.get("ABX") != "X"
     return Layout(positions, directivity={"cos": 3.376}, mask=None if mask.all() else mask)

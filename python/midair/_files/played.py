@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._boards.board import Board
-from .._midair import Array, SceneError, Solution, numbers
+from .._midair import Array, SceneError, Solution, numbers, restated, stated
 from .._sequence import Sequence
 from .._support.text import content, fault
 
@@ -22,7 +22,7 @@ CURE = 'give board=, such as "sonicsurface"'
 def write(path: Path, drives: Played, board: Board | None) -> None:
     """Write each drive as a frame of the board."""
     if board is None:
-        raise SceneError(f"board is left out, and .bin holds the frames of one: {CURE}")
+        raise stated("board", "is left out, and .bin holds the frames of one", CURE, code="missing")
     largest: NDArray[Any] = np.zeros(1)
     off = True
     with path.open("wb") as stream:
@@ -38,17 +38,17 @@ def write(path: Path, drives: Played, board: Board | None) -> None:
 def read(path: str | PathLike[str], board: Board | None) -> NDArray[np.complex64]:
     """Return the drives of a board's frames: (N,) for one frame, else (T, N)."""
     if board is None:
-        raise fault(path, None, f"it holds frames, and board is left out: {CURE}")
+        raise fault(path, None, "it holds frames, and board is left out", CURE)
     data, length = content(path), len(board.off_frame)
     if len(data) % length:
         reported = f"{len(data)} bytes are no whole number of frames of {length}"
-        raise fault(path, None, f"{reported}: give a file of this board, or another board")
+        raise fault(path, None, reported, "give a file of this board, or another board")
     drives = np.empty((len(data) // length, len(board.array)), np.complex64)
     for frame in range(len(drives)):
         try:
             drives[frame] = board.decode(data[frame * length : (frame + 1) * length])
         except SceneError as error:
-            raise fault(path, None, f"frame {frame}: {error}") from error
+            raise fault(path, None, restated(error, inside=f"frame {frame}")) from error
     return one_or_more(drives)
 
 
@@ -104,13 +104,13 @@ def played(drives: Any, board: Board | None) -> Played:
         found = Played(count, transducers, given.ndim == 1, array, lambda frame: frames[frame])
     if board is not None and len(board.array) != found.transducers:
         reported = f"drives of {found.transducers} transducers, board of {len(board.array)}"
-        raise SceneError(f"{reported}: give drives for the board's array, or another board")
+        raise stated("", reported, "give drives for the board's array, or another board")
     if board is not None and found.array is not None:
         apart = np.linalg.norm(found.array.positions - board.array.positions, axis=1)
         at = int(apart.argmax())
         if apart[at] > APART:
             reported = f"the drives' transducer {at} lies {1e3 * apart[at]:.3g} mm from the board's"
-            raise SceneError(f"{reported}: solve for the board's array, or give midair.Board(..., array)")
+            raise stated("", reported, "solve for the board's array, or give midair.Board(..., array)")
     return found
 
 

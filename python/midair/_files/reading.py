@@ -89,14 +89,14 @@ def read(
         return board_frames.read(path, player)
     if ending == ".csv":
         return _csv(path, array)
-    raise fault(path, None, "it has no known ending: give .npz, .json, .csv, .holo or .bin")
+    raise fault(path, None, "it has no known ending", "give .npz, .json, .csv, .holo or .bin")
 
 
 def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64] | ControlPoints:
     data = content(path)
     line, head = next(rows(text(path, data)), (0, [""]))
     if not line:
-        raise fault(path, None, f"no row is in it: {CSV}")
+        raise fault(path, None, "no row is in it", CSV)
     names = {name.lower() for name in head}
     if names >= {"amplitude", "phase"}:
         return drive_from_csv(data, f'file "{path}"')
@@ -112,8 +112,8 @@ def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64
     if counted:
         return acoustools.read(path, data, array)
     if names >= {"x", "y", "z"}:
-        raise fault(path, line, "it holds transducers: read them by midair._files.read_array")
-    raise fault(path, line, f'"{",".join(head)[:60]}" begins no table of drives: {CSV}')
+        raise fault(path, line, "it holds transducers", "read them by midair._files.read_array")
+    raise fault(path, line, f'"{",".join(head)[:60]}" begins no table of drives', CSV)
 
 
 #: Largest size in bytes of a file of an array; the largest known one, Ultraino's, unpacks to 5 MB.
@@ -163,7 +163,7 @@ def read_array(path: str | PathLike[str], **parts: Unpack[_Parts]) -> Array:
     try:
         made = Array(found.positions, found.normals, **{**own, **given})
     except SceneError as error:
-        raise fault(path, None, str(error)) from error
+        raise fault(path, None, error) from error
     # Formats with a directivity describe real boards, whose frequency is 40 kHz.
     return made._with_hardware(None if found.directivity is None else 40e3)
 
@@ -179,7 +179,7 @@ def _layout(path: str | PathLike[str]) -> Layout:
     if ending.endswith(".csv"):
         _, table = read_table(content(path, empty=True), str(path))
         return Layout(table[:, :3], table[:, 3:] if table.shape[1] == 6 else None)
-    raise fault(path, None, f"it has no known ending: give {ENDINGS}")
+    raise fault(path, None, "it has no known ending", f"give {ENDINGS}")
 
 
 def _openmpd(path: str | PathLike[str]) -> Layout:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Scene, SceneError, Solution
+from .._midair import Scene, SceneError, Solution, restated, stated
 from .._sequence import Sequence
 from .._support import output
 from .._support.arguments import path_of
@@ -43,9 +43,8 @@ def save(solution: Solution, path: str | PathLike[str]) -> None:
     """
     scene = solution.scene
     if scene is None:
-        raise SceneError(
-            "solution.scene is None: a matrix of your own has no scene file, pickle the solution instead"
-        )
+        cure = "a matrix of your own has no scene file, pickle the solution instead"
+        raise stated("solution.scene", "is None", cure, code="missing")
     target = path_of("path", path)
     output.check(target, output.DRIVES)
     output.write_drive(target, scene, solution)
@@ -75,19 +74,18 @@ def load(path: str | PathLike[str]) -> Solution:
     name = " ".join(str(path).split())
     ending = path.suffix.lower()
     if ending not in {".npz", ".json"}:
-        raise SceneError(f'solution file "{name}" has no known ending: give .npz or .json')
+        raise stated(f'solution file "{name}"', "has no known ending", "give .npz or .json")
     if not path.exists():
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
     try:
         record = arrays(path) if ending == ".npz" else json.loads(content(path))
         solution: Solution = Solution._restore(_parts(record))  # type: ignore[attr-defined]
     except SceneError as error:
-        raise SceneError(f'solution file "{name}": {error}') from error
+        raise restated(error, inside=f'solution file "{name}"') from error
     # zip, NumPy and JSON raise errors of many kinds for a damaged file.
     except Exception as error:
-        raise SceneError(
-            f'solution file "{name}" is damaged, or none: give what solution.save or midair solve -o wrote'
-        ) from error
+        cure = "give what solution.save or midair solve -o wrote"
+        raise stated(f'solution file "{name}"', "is damaged, or none", cure, code="unreadable") from error
     return solution
 
 
@@ -137,10 +135,10 @@ def read(path: str | PathLike[str]) -> Solution | Sequence | NDArray[np.complex6
             sizes = {entry.filename.removesuffix(".npy"): entry.file_size for entry in found.infolist()}
     except OSError as error:
         reason = error.strerror or str(error)
-        raise fault(path, None, f"it cannot be read ({reason}): give a file that is there") from error
+        raise fault(path, None, f"it cannot be read ({reason})", "give a file that is there") from error
     # zip raises errors of many kinds for a damaged file.
     except Exception as error:
-        raise fault(path, None, f"it is damaged, or no .npz: {CURE}") from error
+        raise fault(path, None, "it is damaged, or no .npz", CURE) from error
     if "setting" in sizes:
         return Sequence.load(path)
     if "scene" in sizes:
@@ -148,9 +146,9 @@ def read(path: str | PathLike[str]) -> Solution | Sequence | NDArray[np.complex6
     alone = "drive" in sizes
     name = "drive" if alone else "drives"
     if name not in sizes:
-        raise fault(path, None, f"there is no drive in it: {CURE}")
+        raise fault(path, None, "there is no drive in it", CURE)
     if sizes[name] > MOST_BYTES:
-        raise fault(path, None, f"{name} unpacks to more than {MOST_BYTES >> 20} MB: give a smaller one")
+        raise fault(path, None, f"{name} unpacks to more than {MOST_BYTES >> 20} MB", "give a smaller one")
     return _drives(path, name, 1 if alone else 2)
 
 
@@ -158,17 +156,16 @@ def _drives(path: str | PathLike[str], name: str, dimensions: int) -> NDArray[np
     try:
         drives = arrays(path, [name])[name]
     except SceneError as error:
-        raise fault(path, None, str(error)) from error
+        raise fault(path, None, error) from error
     except (ValueError, KeyError) as error:
-        raise fault(path, None, f"{name} is damaged, or no numbers: {CURE}") from error
+        raise fault(path, None, f"{name} is damaged, or no numbers", CURE) from error
     if drives.dtype.kind not in "fc" or drives.ndim != dimensions or not drives.size:
         reported = f"{drives.dtype} of shape {drives.shape}"
-        raise fault(
-            path, None, f"{name} is {reported}: give complex64, {'(N,)' if dimensions == 1 else '(T, N)'}"
-        )
+        cure = f"give complex64, {('(N,)' if dimensions == 1 else '(T, N)')}"
+        raise fault(path, None, f"{name} is {reported}", cure)
     wrong = np.argwhere(~(np.abs(drives) <= 1 + ROUNDING))
     if len(wrong):
         place = tuple(wrong[0].tolist())
         reported = f"{name}{list(place)} is {drives[place]}"
-        raise fault(path, None, f"{reported}: give finite numbers, at most 1 in modulus")
+        raise fault(path, None, reported, "give finite numbers, at most 1 in modulus")
     return np.asarray(drives, np.complex64)

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._boards.layout import Layout, turned
-from .._midair import SceneError
+from .._midair import stated
 from .._sequence.files import whole
 from .._support.text import fault, numbers, rows, text
 from .played import Played, one_or_more
@@ -42,22 +42,22 @@ def read(path: str | PathLike[str], root: Element) -> Layout:
     beans = Decoder(path, root).beans
     found = _listed(beans) or [bean for bean in beans if bean.kind.endswith(".Transducer")]
     if not found:
-        raise fault(path, None, "no Transducer is in it: give a file that Ultraino saved as an array")
+        raise fault(path, None, "no Transducer is in it", "give a file that Ultraino saved as an array")
     # `sorted` is stable: transducers with equal numbers stay in the order of the file.
     found = sorted(found, key=lambda bean: _number(path, bean, "orderNumber", 0.0))
     positions = np.array([_vector(path, _part(path, bean, "translation"), "xyz") for bean in found])
     rotations = np.array([_vector(path, _part(path, bean, "rot"), "wxyz", 1.0) for bean in found])
     for bean, rotation in zip(found, rotations, strict=True):
         if not 1e-6 < np.linalg.norm(rotation) < 1e6:
-            raise fault(path, bean.line, f"rot is {rotation.tolist()}: give a quaternion of length 1")
+            raise fault(path, bean.line, f"rot is {rotation.tolist()}", "give a quaternion of length 1")
     power = np.array([_number(path, bean, "power", POWER) for bean in found])
     for bean, one in zip(found, power, strict=True):
         if one < 0:
-            raise fault(path, bean.line, f"power is {one:g}: give Pa m, at least 0")
+            raise fault(path, bean.line, f"power is {one:g}", "give Pa m, at least 0")
     width = sorted({_number(path, bean, "apperture", WIDTH) for bean in found})
     if len(width) > 1:
         reported = f"transducers of {width[0]:g} and of {width[-1]:g} m"
-        raise fault(path, None, f"{reported} are in it: take all of one width into a file")
+        raise fault(path, None, f"{reported} are in it", "take all of one width into a file")
     largest = power.max() or POWER
     return Layout(
         _upright(positions),
@@ -89,7 +89,7 @@ def _part(path: str | PathLike[str], transducer: Bean, name: str) -> Bean:
     if found is None:
         return Bean("", transducer.line)
     if not isinstance(found, Bean):
-        raise fault(path, transducer.line, f"{name} is {found!r}: give an object")
+        raise fault(path, transducer.line, f"{name} is {found!r}", "give an object")
     return found
 
 
@@ -104,7 +104,7 @@ def _number(path: str | PathLike[str], bean: Bean, name: str, default: float) ->
         reported = (
             f"an object of {found.kind or 'no class'}" if isinstance(found, Bean) else f"{str(found)[:40]!r}"
         )
-        raise fault(path, bean.line, f"{name} is {reported}: give a number")
+        raise fault(path, bean.line, f"{name} is {reported}", "give a number")
     return found
 
 
@@ -112,7 +112,7 @@ def write_pair(path: Path, drives: Played) -> None:
     """Write the files of phases and amplitudes, each completely or not at all."""
     if NAMED not in path.name:
         cure = f'put {NAMED} into the name, as in "{path.stem}{NAMED}.csv", or Ultraino finds no amplitudes'
-        raise SceneError(f'output "{path}" is the phases of a pair: {cure}')
+        raise stated(f'output "{path}"', "is the phases of a pair", cure, code="unwritable")
     beside = path.with_name(path.name.replace(NAMED, f"0_{AMPLITUDE}"))
     with ExitStack() as opened:
         parts = [opened.enter_context(whole(one, (".csv",))) for one in (beside, path)]
@@ -137,18 +137,18 @@ def partners(path: str | PathLike[str]) -> tuple[Path, Path] | None:
 def read_pair(phases: Path, amplitudes: Path) -> NDArray[np.complex64]:
     """Read drives from a pair of files: (N,) for one frame, else (T, N)."""
     if not amplitudes.exists():
-        raise fault(phases, None, f'its amplitudes, "{amplitudes.name}", are not beside it: put them there')
+        raise fault(phases, None, f'its amplitudes, "{amplitudes.name}", are not beside it', "put them there")
     if not phases.exists():
-        raise fault(amplitudes, None, f'its phases, "{phases.name}", are not beside it: put them there')
+        raise fault(amplitudes, None, f'its phases, "{phases.name}", are not beside it', "put them there")
     turned, sizes = _frames(phases), _frames(amplitudes)
     if turned.shape != sizes.shape:
         (frames, transducers), reported = turned.shape, f"{sizes.shape[0]} x {sizes.shape[1]} amplitudes"
-        raise fault(amplitudes, None, f"{reported}: give as many as phases, {frames} x {transducers}")
+        raise fault(amplitudes, None, reported, f"give as many as phases, {frames} x {transducers}")
     wrong = np.argwhere((sizes < 0) | (sizes > 1))
     if len(wrong):
         frame, column = wrong[0]
         value = f"amplitude {sizes[frame, column]:g} in frame {frame}, column {column + 1}"
-        raise fault(amplitudes, None, f"{value}: give 0 to 1")
+        raise fault(amplitudes, None, value, "give 0 to 1")
     return one_or_more((sizes * np.exp(1j * turned)).astype(np.complex64))
 
 
@@ -157,8 +157,8 @@ def _frames(path: Path) -> NDArray[np.float64]:
     for line, row in rows(text(path)):
         values = numbers(path, line, row)
         if found and len(values) != len(found[0]):
-            raise fault(path, line, f"{len(values)} columns: give {len(found[0])}, as in the first row")
+            raise fault(path, line, f"{len(values)} columns", f"give {len(found[0])}, as in the first row")
         found.append(values)
     if not found:
-        raise fault(path, None, "no row is in it: give a row of numbers for each frame")
+        raise fault(path, None, "no row is in it", "give a row of numbers for each frame")
     return np.array(found)

@@ -7,7 +7,7 @@ from pathlib import Path as File
 from typing import Any
 
 from .._boards.board import Board
-from .._midair import SceneError, Solution, drive_to_csv
+from .._midair import Solution, drive_to_csv, stated
 from .._sequence import Sequence
 from .._sequence.files import whole
 from .._support import output
@@ -124,7 +124,9 @@ def _write(file: File, layout: str, drives: Played, board: Board | None) -> None
         ultraino.write_pair(file, drives)
         return
     if layout == ".json":
-        raise SceneError(f"output {shown(file)}: .json holds a Solution of a scene, give .npz, .csv or .holo")
+        raise stated(
+            "", f"output {shown(file)}", ".json holds a Solution of a scene, give .npz, .csv or .holo"
+        )
     with whole(file, ENDINGS) as part:
         if layout == ".bin":
             board_frames.write(part, drives, board)
@@ -142,7 +144,7 @@ def _drive(path: File, drives: Played) -> None:
     """Write one drive: a row index,x,y,z,amplitude,phase per transducer; no x,y,z if the array is unknown."""
     if drives.frames != 1:
         cure = 'give layout="acoustools" or "ultraino", or a name that ends in .npz'
-        raise SceneError(f"{drives.frames} frames: this .csv holds one drive, {cure}")
+        raise stated("", f"{drives.frames} frames", f"this .csv holds one drive, {cure}")
     (drive,) = drives
     positions = None if drives.array is None else drives.array.positions
     path.write_bytes(drive_to_csv(drive, positions).encode())

@@ -34,16 +34,16 @@ def parse(path: str | PathLike[str], content: bytes) -> Element:
     open_: list[Element] = [top]
     count = 0
 
-    def refused(reason: str) -> SceneError:
-        return fault(path, parser.CurrentLineNumber, reason)
+    def refused(words: str, cure: str) -> SceneError:
+        return fault(path, parser.CurrentLineNumber, words, cure)
 
     def begin(name: str, attributes: dict[str, str]) -> None:
         nonlocal count
         count += 1
         if count > MOST_ELEMENTS:
-            raise refused(f"more than {MOST_ELEMENTS} elements: give a file of an array")
+            raise refused(f"more than {MOST_ELEMENTS} elements", "give a file of an array")
         if len(open_) > MOST_DEPTH:
-            raise refused(f"elements more than {MOST_DEPTH} deep: give a file of an array")
+            raise refused(f"elements more than {MOST_DEPTH} deep", "give a file of an array")
         element = Element(name, attributes, parser.CurrentLineNumber)
         open_[-1].children.append(element)
         open_.append(element)
@@ -55,7 +55,7 @@ def parse(path: str | PathLike[str], content: bytes) -> Element:
         open_[-1].text += found
 
     def declared(*_: object) -> None:
-        raise refused("a document type is declared: take <!DOCTYPE ...> out")
+        raise refused("a document type is declared", "take <!DOCTYPE ...> out")
 
     parser.StartElementHandler = begin
     parser.EndElementHandler = end
@@ -65,12 +65,12 @@ def parse(path: str | PathLike[str], content: bytes) -> Element:
         parser.Parse(content, True)
     except expat.ExpatError as error:
         reason = expat.ErrorString(error.code)
-        raise fault(path, error.lineno, f"it is no XML ({reason}): get the file again") from error
+        raise fault(path, error.lineno, f"it is no XML ({reason})", "get the file again") from error
     except (LookupError, ValueError) as error:
         # Python does not know the encoding.
         if isinstance(error, SceneError):
             raise
-        raise fault(path, None, "its encoding is unknown: give UTF-8") from error
+        raise fault(path, None, "its encoding is unknown", "give UTF-8") from error
     return top.children[0]
 
 
@@ -116,8 +116,8 @@ class Decoder:
         if element.name in NUMBERS:
             found = number(element.text.strip())
             if found is None:
-                wrong = f'<{element.name}> is "{element.text.strip()[:40]}": give a finite number'
-                raise fault(self._path, element.line, wrong)
+                wrong = f'<{element.name}> is "{element.text.strip()[:40]}"'
+                raise fault(self._path, element.line, wrong, "give a finite number")
             if "id" in element.attributes:
                 self._named[element.attributes["id"]] = lambda: found
             return found
@@ -147,8 +147,8 @@ class Decoder:
         reported = element.attributes
         if "idref" in reported:
             if reported["idref"] not in self._named:
-                wrong = f'"{reported["idref"]}" is used before it is there: get the file again'
-                raise fault(self._path, element.line, wrong)
+                wrong = f'"{reported["idref"]}" is used before it is there'
+                raise fault(self._path, element.line, wrong, "get the file again")
             return self._named[reported["idref"]]()
         kind, method, name = reported.get("class"), reported.get("method"), reported.get("property")
         if kind in BOXES and len(arguments) == 1:

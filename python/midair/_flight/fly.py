@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Bead, Course, SceneError, numbers
+from .._midair import Bead, Course, SceneError, numbers, stated
 from .._sequence.envelope import Hold
 from .._sequence.judged import SETTLING, TAU
 from .._sequence.sequence import Sequence
@@ -102,7 +100,8 @@ def fly(
         if duration is None:
             raise
         cure = "give a shorter one, or a higher limit (MIDAIR_MEMORY in the environment)"
-        raise MemoryError(f"duration is {duration:g} s: {_needs(error)}, {cure}") from None
+        reported = f"the tracks of the beads need {getattr(error, 'value', 'more memory')}"
+        raise MemoryError(f"duration is {duration:g} s: {reported}; {cure}") from None
     except SceneError:
         if (delay := _delay(bead)) > SOONEST:
             raise
@@ -111,12 +110,6 @@ def fly(
         )
         raise refused("radius", bead.keywords()["radius"], cure) from None
     return Flight(times, flown, ways, lost, points)
-
-
-def _needs(error: MemoryError) -> str:
-    """Return the part of a message about memory that has the size."""
-    found = re.search(r"needs ([\d.]+ GB)", str(error))
-    return f"the tracks of the beads need {found[1] if found else 'more memory'}"
 
 
 def _delay(bead: Bead) -> float:
@@ -136,7 +129,7 @@ def _start(
     if beads is None:
         which = np.flatnonzero(sequence.targets[0] > 0)
         if not len(which):
-            raise SceneError("targets are 0 in the first frame: give beads, places (B, 3) in m")
+            raise stated("targets", "are 0 in the first frame", "give beads, places (B, 3) in m")
         places = course.resting(sequence.scene(0), bead, which.tolist())
     else:
         places = numbers("beads", beads, [(3,), (-1, 3)], "give places (B, 3) in m").reshape(-1, 3)

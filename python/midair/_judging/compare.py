@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeGuard
 import numpy as np
 
 from .. import _midair
-from .._midair import Array, Plane, Propagation, Scene, SceneError, Solution, Solver, numbers
+from .._midair import Array, Plane, Propagation, Scene, SceneError, Solution, Solver, numbers, stated
 from .._pictures.colours import REFERENCE
 from .._support import text
+from .._support.arguments import refused
 from .._support.output import METRICS
 
 if TYPE_CHECKING:
@@ -152,7 +153,7 @@ class Comparison:
         for name in names:
             solution = self[name]
             if solution.scene is None:
-                raise SceneError("scene is a matrix: a field needs the positions of a Scene")
+                raise stated("scene", "is a matrix", "a field needs the positions of a Scene")
             fields.append(_midair.field(solution.scene, solution, plane))
         return contact_sheet(fields, names, quantity, ax=ax, cmap=cmap, size=size)
 
@@ -342,12 +343,12 @@ def choices(scene: Scene | Propagation, solvers: Solvers) -> list[tuple[Any, dic
     elif isinstance(solvers, str) or callable(solvers) or _is_pair(solvers):
         solvers = [solvers]
     if not isinstance(solvers, Iterable):
-        raise SceneError(f"solvers is {solvers!r}: give names, (name, options) pairs or functions")
+        raise refused("solvers", solvers, "give names, (name, options) pairs or functions")
     entries: list[tuple[Any, dict[str, Any]]] = []
     for entry in solvers:
         entries.append((entry[0], dict(entry[1])) if _is_pair(entry) else (entry, {}))
     if not entries:
-        raise SceneError("solvers is empty: give at least one, or leave it out for all")
+        raise stated("solvers", "is empty", "give at least one, or leave it out for all", code="missing")
     array = scene.array if isinstance(scene, Scene) else Array.grid(1, 1, 0.01)
     for solver, options in entries:
         if not callable(solver):

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Scene, SceneError, SceneWarning, Solution, about, field, numbers
+from .._midair import Scene, SceneWarning, Solution, about, field, numbers, stated
 from .._points.ear import REFERENCE, Ear
 from .._sequence import Sequence
 from .._sequence.propagation import rows
@@ -64,9 +64,10 @@ def limit_of(scene: Scene, requested: Any) -> Limit:
         raise refused("limit", requested, f"give {', '.join(LIMITS)}, or a level in dB")
     low, high = found.band
     if not low <= scene.frequency <= high:
-        raise SceneError(
-            f'limit "{found.name}" is for {low / 1e3:g} to {high / 1e3:g} kHz,'
-            f" not {scene.frequency / 1e3:g} kHz: give a level in dB that is meant for it"
+        raise stated(
+            f'limit "{found.name}"',
+            f"is for {low / 1e3:g} to {high / 1e3:g} kHz, not {scene.frequency / 1e3:g} kHz",
+            "give a level in dB that is meant for it",
         )
     return found
 
@@ -304,10 +305,8 @@ def exposure(
     if isinstance(scene, Sequence):
         scene, drive, places = scene.scene(0), scene, drive if places is None else places
     elif isinstance(scene, Scene) and drive is not None and places is None:
-        raise SceneError(
-            "places is None: a scene alone has no drive, give exposure(scene, solution, places)"
-            " or exposure(solution, places)"
-        )
+        cure = "a scene alone has no drive, give exposure(scene, solution, places) or leave the scene out"
+        raise stated("places", "is None", cure, code="missing")
     else:
         scene, drive, places = about(scene, drive, places)
     named = limit_of(scene, limit)
@@ -362,9 +361,10 @@ def _keep_off(scene: Scene, name: str, low: Points, high: Points) -> None:
     least = scene.wavelength if box else scene.wavelength / 100
     if away[nearest] < least:
         kind, apart = ("a box ", "a wavelength") if box else ("", "a hundredth of a wavelength")
-        raise SceneError(
-            f'places["{name}"] is {kind}{1e3 * away[nearest]:.2g} mm from transducer {nearest}: give one'
-            f" at least {apart} away, {1e3 * least:.2g} mm"
+        raise stated(
+            f'places["{name}"]',
+            f"is {kind}{1e3 * away[nearest]:.2g} mm from transducer {nearest}",
+            f"give one at least {apart} away, {1e3 * least:.2g} mm",
         )
 
 
@@ -384,7 +384,7 @@ def _of_one(scene: Scene, drive: ArrayLike | Solution) -> Blocks:
 def _of_frames(scene: Scene, sequence: Sequence) -> Blocks:
     """Return a function that yields |p| (P, T) of the frames of a sequence."""
     if sequence.array != scene.array:
-        raise SceneError("drive is a sequence of another array: give sequence.scene(0) as the scene")
+        raise stated("drive", "is a sequence of another array", "give sequence.scene(0) as the scene")
     bare = scene.replace(pressures=None, weights=None, signature=None)
     drives = sequence.drives
     size = max(WORK // drives.size, 1)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Field, Plane, Scene, SceneError, Solution, about, field
+from .._midair import Field, Plane, Scene, Solution, about, field, stated
 from .._pictures.colours import MAPS
 from .._pictures.panel import paint, sides
 from .._pictures.words import place
@@ -30,7 +30,7 @@ def draw(streaming: Streaming, ax: Axes | None, cmap: Map | None, size: Size | N
 
     field = streaming.field
     if field.plane is None:
-        raise SceneError("the force is at single points: a picture needs a midair.Plane")
+        raise stated("the force", "is at single points", "a picture needs a midair.Plane")
     if ax is None:
         import matplotlib.pyplot as plt
 
@@ -209,8 +209,6 @@ def _absorption(scene: Scene, requested: float | None) -> float:
     if scene.absorption > 0:
         return scene.absorption
     if not NEAR[0] <= scene.frequency <= NEAR[1]:
-        raise SceneError(
-            f"absorption is left out at {scene.frequency / 1e3:g} kHz: give that of the air in Np/m;"
-            f" {AIR:g} is for about 40 kHz"
-        )
+        cure = f"give that of the air in Np/m; {AIR:g} is for about 40 kHz"
+        raise stated("absorption", f"is left out at {scene.frequency / 1e3:g} kHz", cure, code="missing")
     return AIR

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._midair import Scene, SceneError, Solution, about, judge, numbers, solve, solvers, unknown
+from .._midair import Scene, SceneError, Solution, about, judge, numbers, solve, solvers, stated, unknown_name
 from .._support.arguments import callback, refused, whole
 from .._support.kept import Arrays
 from .._sweep.engine import Job, Settings, Stopped, go_on, run
@@ -176,7 +176,7 @@ class Trials:
                     raise refused(name, value, "drive is played as it is, give it or a solver")
             targets = np.abs(scene.reach().level if scene.pressures is None else scene.pressures)
         if not judge(scene, drive, pressures=targets).level:
-            raise SceneError("scene is silent at its points: give pressures above 0 that its array reaches")
+            raise stated("scene", "is silent at its points", "give pressures above 0 that its array reaches")
         self._scene, self._targets = scene, targets
         self._solution = drive if isinstance(drive, Solution) else None
         if self._solution is not None:
@@ -242,7 +242,7 @@ def trials_of(settings: Settings, start: int, stop: int) -> Arrays:
             metrics = judge(played, drive, pressures=targets)
         except SceneError as error:
             # If no working transducer reaches a point, level and uniformity of the trial are 0.
-            if "reached by no transducer" in str(error):
+            if error.code == "unreached":
                 return 0.0, 0.0
             raise
         return metrics.level, metrics.uniformity
@@ -263,5 +263,5 @@ def _faultless(faults: Mapping[str, float], options: Mapping[str, Any]) -> Excep
     known = {*signature(solve).parameters}.union(*(each.options for each in solvers().values()))
     for name in options:
         if name.rstrip("_") not in known:
-            return TypeError(unknown("argument of midair.tolerate", name, list(faults))[1])
-    return SceneError(f"no fault is given: give at least one of {', '.join(faults)} above 0")
+            return TypeError(str(unknown_name("argument of midair.tolerate", name, list(faults))))
+    return stated("no fault", "is given", f"give at least one of {', '.join(faults)} above 0", code="missing")

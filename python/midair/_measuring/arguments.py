@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import SceneError, numbers
+from .._midair import numbers, stated
 from .._support.arguments import refused
 from .model import Complex, Real
 
@@ -20,7 +20,7 @@ def drives_of(value: Any, transducers: int) -> Complex:
     cure = f"give drives (K, {transducers}), as midair.calibration_drives makes them"
     found = numbers("drives", value, [(-1, transducers)], cure, kinds="iufc", most=1 + 1e-5)
     if not found.any():
-        raise SceneError("drives are all 0: nothing was played, give what was")
+        raise stated("drives", "are all 0", "nothing was played, give what was")
     return found.astype(np.complex128)
 
 
@@ -30,18 +30,18 @@ def readings_of(value: Any, drives: int, microphones: int, phased: bool | None) 
     cure = f"give |p| or p ({drives}, {microphones}), a row for each drive and a column for each microphone"
     found = numbers("readings", value, shapes, cure, kinds="iufc").reshape(drives, microphones)
     if phased and not np.iscomplexobj(found):
-        raise SceneError("readings are real, but complex=True: give complex ones, or leave complex out")
+        cure = "give complex ones, or leave complex out"
+        raise stated("readings", "are real, but complex=True", cure, code="conflict")
     if phased is False:
         found = np.abs(found)
     if not np.iscomplexobj(found) and found.min() < 0:
         k, at = np.unravel_index(int(found.argmin()), found.shape)
-        raise SceneError(
-            f"readings[{k}, {at}] is {found[k, at]:.4g}: |p| is never negative, give moduli or complex ones"
-        )
+        cure = "|p| is never negative, give moduli or complex ones"
+        raise stated(f"readings[{k}, {at}]", f"is {found[k, at]:.4g}", cure)
     for m, received in enumerate(found.T):
         if not np.abs(received).max():
-            raise SceneError(
-                f"readings[:, {m}] are all 0: microphone {m} hears nothing, mend it or leave it out"
+            raise stated(
+                f"readings[:, {m}]", "are all 0", f"microphone {m} hears nothing, mend it or leave it out"
             )
         _not_clipped(received, m)
     return found
@@ -53,10 +53,9 @@ def _not_clipped(received: NDArray[Any], m: int) -> None:
         top = np.abs(part).max()
         many = int(np.sum(np.abs(part) > top * (1 - 1e-6)))
         if many >= max(CLIPPED, CLIPPED_PART * len(part)):
-            raise SceneError(
-                f"readings[:, {m}] are clipped: {many} of {len(part)} are {top:.4g} Pa, the largest value; "
-                "measure at a lower intensity or farther away"
-            )
+            reason = f"{many} of {len(part)} are {top:.4g} Pa, the largest value"
+            cure = f"{reason}; measure at a lower intensity or farther away"
+            raise stated(f"readings[:, {m}]", "are clipped", cure)
 
 
 def indices_of(value: Any, transducers: int) -> NDArray[np.intp]:

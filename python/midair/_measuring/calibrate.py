@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene, SceneError, memory_limit, numbers
+from .._midair import Array, Scene, memory_limit, numbers, stated
 from .._support.arguments import callback, number, refused, warn, whole
 from .arguments import drives_of, indices_of, readings_of
 from .fit import Fitted, robust
@@ -61,7 +61,7 @@ def calibration_drives(
     listening, seed = whole("microphones", microphones, least=1), whole("seed", seed, least=0)
     played = np.flatnonzero(array.mask)
     if not len(played):
-        raise SceneError("array is masked as a whole: unmask the transducers to be measured")
+        raise stated("array", "is masked as a whole", "unmask the transducers to be measured")
     count = int(np.ceil(wanted * len(played) / listening))
     if count * len(array) > MOST:
         cure = f"that makes {count} drives of {len(array)} transducers, give less"
@@ -200,8 +200,8 @@ def calibrate(
     own = np.ones(len(array)) if array.response is None else np.abs(array.response)
     believed = np.asarray(own * array.mask, np.float64)
     if not believed[np.any(played, axis=0)].any():
-        raise SceneError(
-            "array has no transducer that was played: its mask or responses of 0 hold them all off"
+        raise stated(
+            "array", "has no transducer that was played", "its mask or responses of 0 hold them all off"
         )
     played = played * array.mask
     found = robust(model, played, received, believed, spread, least, progress or (lambda *_: None))
@@ -212,9 +212,8 @@ def _scene(given: Scene | Array, microphones: ArrayLike | None) -> Scene:
     if isinstance(given, Scene):
         return given
     if microphones is None:
-        raise SceneError(
-            "microphones are left out: give their places (M, 3) in m, or a scene whose points they are"
-        )
+        cure = "give their places (M, 3) in m, or a scene whose points they are"
+        raise stated("microphones", "are left out", cure, code="missing")
     return Scene(given, places_of(microphones))
 
 
@@ -243,16 +242,14 @@ def _enough(received: Any, played: Complex, array: Array) -> None:
         driven = len(np.unique(array.channels[np.any(played, axis=0)]))
         each = 2 * driven + real - 2
         if each * received.shape[1] < sounding:
-            raise SceneError(
-                f"microphones are too few: {driven} driven channels tell {each} numbers at each, "
-                f"of {sounding} transducers; give {-(-sounding // each)} places or more"
+            reason = f"{driven} driven channels tell {each} numbers at each, of {sounding} transducers"
+            raise stated(
+                "microphones", "are too few", f"{reason}; give {-(-sounding // each)} places or more"
             )
     if count < sounding:
         least = "0.5 complex ones" if np.iscomplexobj(received) else "1"
-        raise SceneError(
-            f"readings are too few: {received.size} of {sounding} transducers; "
-            f"at least {least} a transducer are needed, 4 of |p| are plenty"
-        )
+        cure = f"at least {least} a transducer are needed, 4 of |p| are plenty"
+        raise stated("readings", "are too few", f"{received.size} of {sounding} transducers; {cure}")
 
 
 def _room(transducers: int, others: int, readings: int) -> None:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, Scene, SceneError
+from .._midair import Array, Scene, stated
 from .._support.arguments import refused
 from .._support.text import content, fault, text
 
@@ -41,7 +41,7 @@ def sound_card(
         import sounddevice
     except (ImportError, OSError) as error:
         cure = 'pip install "midair[sound]", and PortAudio where the system lacks it'
-        raise SceneError(f"a sound card needs sounddevice: {cure}") from error
+        raise stated("a sound card", "needs sounddevice", cure, code="missing") from error
     count = round(listen * rate)
     window = np.hanning(count)[:, None]
     tone = window * np.exp(-2j * np.pi * frequency / rate * np.arange(count))[:, None]
@@ -49,16 +49,14 @@ def sound_card(
         stream = sounddevice.InputStream(samplerate=rate, device=device, channels=channels)
     except (sounddevice.PortAudioError, ValueError) as error:
         cure = "`python -m sounddevice` lists the devices"
-        raise SceneError(
-            f"the sound card cannot be opened ({' '.join(str(error).split())}): {cure}"
-        ) from error
+        raise stated("the sound card", f"cannot be opened ({' '.join(str(error).split())})", cure) from error
 
     def read(drive: NDArray[np.complex64]) -> NDArray[Any]:
         # Discard sound that was recorded before the drive played.
         stream.read(stream.read_available)
         received, _ = stream.read(count)
         if np.abs(received).max() > FULL:
-            raise SceneError("the sound card clips: turn its gain down, or move the microphone away")
+            raise stated("", "the sound card clips", "turn its gain down, or move the microphone away")
         return np.asarray(pascals * 2 * np.abs(np.sum(received * tone, axis=0)) / window.sum())
 
     with stream:
@@ -75,7 +73,9 @@ def from_file(path: Path, microphones: int) -> Read:
     found = []
     for k, row in rows:
         if len(row) != microphones:
-            raise fault(path, k, f"it has {len(row)} numbers: give one for each of {microphones} microphones")
+            raise fault(
+                path, k, f"it has {len(row)} numbers", f"give one for each of {microphones} microphones"
+            )
         try:
             found.append([complex(cell.strip().replace("i", "j")) for cell in row])
         except ValueError:
@@ -87,7 +87,9 @@ def from_file(path: Path, microphones: int) -> Read:
     def read(drive: NDArray[np.complex64]) -> NDArray[Any]:
         row = next(left, None)
         if row is None:
-            raise fault(path, None, f"{len(readings)} rows are too few: give one for each drive of the plan")
+            raise fault(
+                path, None, f"{len(readings)} rows are too few", "give one for each drive of the plan"
+            )
         return np.asarray(row)
 
     return read

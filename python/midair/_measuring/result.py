@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, Scene, SceneError
+from .._midair import Array, Scene, SceneError, restated, stated
 from .._pictures.colours import MAPS
 from .._support import output
 from .._support.arguments import path_of
@@ -286,11 +286,14 @@ class Calibration:
             }
             return Calibration(**(numbers | {"scene": Scene.parse(str(found["scene"]))}))
         except SceneError as error:
-            raise SceneError(f'calibration file "{path}": {error}') from error
+            raise restated(error, inside=f'calibration file "{path}"') from error
         except OSError:
             raise
         # NumPy and the scene's reader raise errors of many kinds for a damaged file.
         except Exception as error:
-            raise SceneError(
-                f'calibration file "{path}" is damaged, or none: give what calibration.save wrote as .npz'
+            raise stated(
+                f'calibration file "{path}"',
+                "is damaged, or none",
+                "give what calibration.save wrote as .npz",
+                code="unreadable",
             ) from error

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene, SceneError, SceneWarning, Solution, numbers, solve, solver_name, solvers
+from .._midair import Array, Scene, SceneWarning, Solution, numbers, solve, solver_name, solvers, stated
 from .._support.arguments import callback, flag, refused, warn, whole, word
 from .player import Complex, Drive, Ended, Indices, Player, Read, Real, Status, Tuning, Unreadable
 
@@ -212,7 +212,7 @@ def tune(
         work = partial(greedy, player, drive, order, phases, tries)
     elif method == "feedback":
         if scene is None:
-            raise SceneError("feedback solves a model: give a midair.Scene whose points are the places read")
+            raise stated("feedback", "solves a model", "give a midair.Scene whose points are the places read")
         work = partial(feedback, player, scene, wanted, solver, count)
     else:
         work = partial(spsa, player, drive, count, seed, partial(_on_board, array, np.abs(drive)))
@@ -220,7 +220,7 @@ def tune(
     if player.best is None:
         if error is None:
             raise KeyboardInterrupt
-        raise SceneError(f"read failed at its first reading: {_line(error)}") from error
+        raise stated("read", "failed at its first reading", f"{_line(error)}") from error
     if error is not None:
         warn(f"read failed at reading {player.readings + 1}: {_line(error)}; the best drive so far is kept")
     if deaf := player.deaf():
@@ -259,7 +259,8 @@ def _evenness(targets: Real, pressures: Real) -> float:
 def _targets(given: ArrayLike | None, scene: Scene | None) -> Real:
     cure = "give |p| (M,) in the readings' unit, one a place, not all 0"
     if given is None and scene is None:
-        raise SceneError("targets are left out: give |p| (M,) in the readings' unit, or a scene with points")
+        cure = "give |p| (M,) in the readings' unit, or a scene with points"
+        raise stated("targets", "are left out", cure, code="missing")
     if given is None:
         assert scene is not None
         given = np.abs(scene.reach().level if scene.pressures is None else scene.pressures)
@@ -280,14 +281,14 @@ def _start(
         if given not in ("silence", "model"):
             raise refused("start", given, 'give "silence", "model" or a drive (N,)')
         if given == "silence" and method == "spsa":
-            raise SceneError(
-                'start is "silence": spsa turns phases of what sounds, give "model" or a drive (N,)'
+            raise stated(
+                "start", 'is "silence"', 'spsa turns phases of what sounds, give "model" or a drive (N,)'
             )
         if given == "silence":
             return np.zeros(len(sounding), np.complex128)
         if scene is None:
-            raise SceneError(
-                'start is "model": an array alone has none, give a scene whose points are the places'
+            raise stated(
+                "start", 'is "model"', "an array alone has none, give a scene whose points are the places"
             )
         given = solve(scene, solver)
     given, cure = given.drive if isinstance(given, Solution) else given, 'give "silence", "model" or a drive'

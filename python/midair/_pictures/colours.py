@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Field, SceneError
+from .._midair import Field
+from .._support.arguments import refused
 
 if TYPE_CHECKING:
     from matplotlib.colors import Colormap
@@ -94,11 +95,11 @@ def colours(
     """Return the scale for fields of one scene, up to |p| = `loudest` in Pa or `vmax` in its own unit."""
     if quantity not in get_args(Quantity):
         given = " ".join(str(quantity).split())
-        raise SceneError(f'quantity is "{given}": give "pressure", "radiation", "spl" or "phase"')
+        raise refused("quantity", given, 'give "pressure", "radiation", "spl" or "phase"')
     paper = fields[0].scene.in_paper_unit
     if quantity == "phase":
         if vmax is not None:
-            raise SceneError(f"vmax is {vmax!r}: phases go from -pi to pi, leave it out")
+            raise refused("vmax", vmax, "phases go from -pi to pi, leave it out")
         return Colours(quantity, -pi, pi, 1.0, "phase of p / rad", "neither")
     if vmax is None:
         loudest = max(map(loud, fields)) if loudest is None else loudest
@@ -110,7 +111,7 @@ def colours(
     elif isinstance(vmax, (int, float, np.number)) and np.isfinite(vmax) and (vmax > 0 or quantity == "spl"):
         top = float(vmax)
     else:
-        raise SceneError(f"vmax is {vmax!r}: give a finite number above 0")
+        raise refused("vmax", vmax, "give a finite number above 0")
     factor, label = _unit(quantity, top, paper)
     values = [_values(field, quantity) for field in fields]
     brighter = max(map(np.max, values)) > top + 1e-6 * abs(top)

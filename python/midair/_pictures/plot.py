@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol, overload
 
 import numpy as np
 
-from .._midair import Field, Plane, SceneError, Solution, field
+from .._midair import Field, Plane, Solution, field, stated
 from .colours import MAPS, Quantity, colours, loud
 from .panel import add_bar, draw, grid, shape
 from .words import heading, level, marks, number, place, requested, scale
@@ -108,16 +108,16 @@ def plot(
 
     if isinstance(what, Solution):
         if what.scene is None:
-            raise SceneError(
-                "solution is of a matrix: a field needs a Scene, give midair.field(scene, solution)"
+            raise stated(
+                "solution", "is of a matrix", "a field needs a Scene, give midair.field(scene, solution)"
             )
         what = field(what.scene, what, plane)
     elif isinstance(what, Field) and plane is not None:
-        raise SceneError("plane is for a solution: a field has its own, leave it out")
+        raise stated("plane", "is for a solution", "a field has its own, leave it out")
     if not isinstance(what, Field):
         return _own(what, {"ax": ax, "plane": plane, "vmax": vmax, "cmap": cmap, "size": size}, quantity)
     if what.plane is None:
-        raise SceneError("field is at single points: a picture needs a midair.Plane")
+        raise stated("field", "is at single points", "a picture needs a midair.Plane")
     panels = what.panels
     axes = _window(panels, size) if ax is None else [ax]
     panels = panels[: len(axes)]
@@ -143,7 +143,7 @@ def _own(what: Any, given: dict[str, Any], quantity: Quantity) -> Figure:
     known = signature(what.plot).parameters
     for name in given:
         if name not in known:
-            raise SceneError(f"the picture of a {kind} has no {name}: leave it out")
+            raise stated("the picture", f"of a {kind} has no {name}", "leave it out")
     figure: Figure = what.plot(**given)
     return figure
 

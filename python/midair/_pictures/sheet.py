@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Colormap, ListedColormap
 from matplotlib.figure import Figure
 
-from .._midair import SceneError
+from .._support.arguments import refused
 from .colours import MAPS, Map, table
 
 #: Size of a figure in inches: width, or width and height.
@@ -110,7 +110,7 @@ def style(name: str) -> AbstractContextManager[object]:
     """
     if name not in STYLES:
         known = " or ".join(f'"{known}"' for known in STYLES)
-        raise SceneError(f"style is {name!r}: give {known}")
+        raise refused("style", name, f"give {known}")
     settings = STYLES[name].settings
     before: dict[Any, Any] = {key: rcParams[key] for key in settings}
     rcParams.update(settings)
@@ -168,7 +168,7 @@ def sheet(
     else:
         sides = size
     if len(sides) != 2 or not all(np.isfinite(side) and side > 0 for side in sides):
-        raise SceneError(f"size is {size!r}: give a width in inches, or (width, height)")
+        raise refused("size", size, "give a width in inches, or (width, height)")
     if make is None:
         return Sheet(figsize=(sides[0], sides[1]), layout="constrained")
     made: Sheet = make(FigureClass=Sheet, figsize=sides, layout="constrained")
@@ -183,11 +183,11 @@ def chosen(panels: Name | Iterable[Name] | None, known: Sequence[Name], ax: Axes
     names = [panels] if isinstance(panels, str) else list(known if panels is None else panels)
     if not names or set(names) - set(known):
         listed = ", ".join(f'"{name}"' for name in known)
-        raise SceneError(f"panels is {panels!r}: give one of {listed}, or several in a list")
+        raise refused("panels", panels, f"give one of {listed}, or several in a list")
     if ax is None or panels is None:
         return names if ax is None else names[:1]
     if len(names) > 1:
-        raise SceneError(f"panels is {panels!r}: ax holds one panel, name one or leave ax out")
+        raise refused("panels", panels, "ax holds one panel, name one or leave ax out")
     return names
 
 
@@ -200,7 +200,7 @@ def colour_map(cmap: Map | None, own: str) -> Map:
     if cmap is None:
         return own
     if not isinstance(cmap, Colormap) and cmap not in colormaps:
-        raise SceneError(f"cmap is {cmap!r}: give a name that matplotlib has, such as {own}")
+        raise refused("cmap", cmap, f"give a name that matplotlib has, such as {own}")
     return cmap
 
 

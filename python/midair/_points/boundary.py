@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from .._midair import Boundary, SceneError
+from .._midair import Boundary, SceneError, stated
 from .._support import kept
+from .._support.arguments import needs
 from .._support.ctrl_c import interruptibly
 
 #: A solve with at least this number of elements shows a progress bar.
@@ -64,13 +65,14 @@ def sound(boundary: Boundary) -> NDArray[np.complex64]:
         solved = interruptibly(linalg.lu_solve, factors, incident, trans=1, check_finite=False)
     if not np.isfinite(solved).all():
         cure = "the equations of this mesh have no answer: leave out faces that are nearly none"
-        raise SceneError(f"obstacles is a mesh of {elements} elements: {cure}")
+        raise stated("obstacles", f"is a mesh of {elements} elements", cure)
     solved = np.ascontiguousarray(solved)
     if (left := boundary.left_inside(solved)) > LEFT:
         cure = "mend the surface, give finer faces, or leave out thin parts"
-        raise SceneError(
-            f"obstacles is a mesh of {elements} elements that lets {left:.0%} of the sound into its inside:"
-            f" {cure}"
+        raise stated(
+            "obstacles",
+            f"is a mesh of {elements} elements that lets {left:.0%} of the sound into its inside",
+            cure,
         )
     store(boundary.content(), solved)
     return solved
@@ -81,7 +83,7 @@ def lapack() -> Any:
     try:
         from scipy import linalg
     except ImportError as error:
-        raise SceneError('a Mesh needs SciPy: pip install "midair[mesh]"') from error
+        raise needs("a Mesh", "SciPy", "mesh") from error
     return linalg
 
 

@@ -12,8 +12,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import SceneError, memory_limit
-from .._support.arguments import number, path_of, refused, vector, word
+from .._midair import SceneError, memory_limit, restated, stated
+from .._support.arguments import needs, number, path_of, refused, vector, word
 from ..shape import svg, text
 from ..shape._figures import Points
 from .image import image
@@ -45,28 +45,26 @@ def read(
     trimesh = library()
     if not file.is_file():
         reported = "it is a folder, device or pipe, give a file" if file.exists() else "there is no such file"
-        raise SceneError(f'path is "{file}": {reported}')
+        raise refused("path", file, reported)
     ending = file.suffix.lower()
     if ending not in ENDINGS:
-        raise SceneError(f'path is "{file}": {_formats("it is of no known format")}')
+        raise refused("path", file, _formats("it is of no known format"))
     if (needed := file.stat().st_size * EACH) > memory_limit():
-        raise SceneError(
-            f'path is "{file}": it needs {needed >> 20} MB of {memory_limit() >> 20} allowed,'
-            " give one of fewer faces"
-        )
+        cure = f"it needs {needed >> 20} MB of {memory_limit() >> 20} allowed, give one of fewer faces"
+        raise refused("path", file, cure)
     try:
         found = trimesh.load(file, file_type=ending[1:], force="mesh", process=False)
         if not len(getattr(found, "faces", ())):
-            raise SceneError(f'path is "{file}": it has no faces, give a surface')
+            raise refused("path", file, "it has no faces, give a surface")
         if not np.isfinite(found.vertices).all():
-            raise SceneError(f'path is "{file}": it has vertices that are no finite numbers, export it again')
+            raise refused("path", file, "it has vertices that are no finite numbers, export it again")
         # .stl repeats the corners for each face; .obj and .glb repeat those at seams of textures and normals.
         found.merge_vertices(merge_tex=True, merge_norm=True)
     except (KeyboardInterrupt, SceneError):
         raise
     except BaseException as error:
         reported = _formats(f"trimesh cannot read it ({reason(error)})")
-        raise SceneError(f'path is "{file}": {reported}') from None
+        raise refused("path", file, reported) from None
     vertices, faces = np.asarray(found.vertices, float), np.asarray(found.faces, np.int64)
     # Faces with two equal corners have no area and are left out; the mesh stays closed without them.
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
@@ -83,7 +81,7 @@ def library() -> Any:
     try:
         import trimesh
     except ImportError as error:
-        raise SceneError('Mesh.from_file needs trimesh: pip install "midair[mesh]"') from error
+        raise needs("Mesh.from_file", "trimesh", "mesh") from error
     return trimesh
 
 
@@ -131,7 +129,7 @@ def called(draw: Callable[..., Any], kind: str, given: dict[str, Any], folder: P
             raise refused(name, value, f"{kind} has {', '.join(named)}, leave it out")
     for name in needed:
         if name not in given:
-            raise SceneError(f"{name} is left out: {kind} needs {', '.join(needed)}")
+            raise stated(name, "is left out", f"{kind} needs {', '.join(needed)}", code="missing")
     if "file" not in given:
         return draw(**given)
     if folder is None:
@@ -141,4 +139,4 @@ def called(draw: Callable[..., Any], kind: str, given: dict[str, Any], folder: P
     try:
         return draw(file, **given)
     except SceneError as error:
-        raise SceneError(str(error).replace("path is ", "file is ", 1)) from error
+        raise (restated(error, item="file") if error.item == "path" else error) from None

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import MOST_POINTS, STEP, SceneError, memory_limit
-from .._support.arguments import existing, flag, number, refused, whole
+from .._support.arguments import existing, flag, needs, number, refused, whole
 from .._support.text import content
 
 #: Formats that are read, whatever the file's ending. For others, such as .eps, Pillow starts programs
@@ -142,7 +142,7 @@ def _brightness(path: str | PathLike[str], pixels: int) -> NDArray[np.float64]:
     try:
         from PIL import Image, ImageOps
     except ImportError as error:
-        raise SceneError('image needs Pillow: pip install "midair[shapes]"') from error
+        raise needs("image", "Pillow", "shapes") from error
     try:
         with Image.open(BytesIO(content(file)), formats=FORMATS) as opened:
             longer = max(opened.size)

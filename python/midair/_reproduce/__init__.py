@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from matplotlib.figure import Figure as Picture
 
-from .._midair import SceneError
+from .._midair import stated, unknown_name
 from .._support.kept import locked
 from . import drawing, fig2, fig3, fig5, fig7, tables
 from .tables import Found, Run, Tell, Verdict, silent
@@ -77,11 +77,11 @@ def reproduce(
     names = [name for requested in figures for name in (FIGURES if requested == "all" else [requested])]
     for name in names:
         if name not in FIGURES:
-            raise SceneError(f'unknown figure "{name}": known are {", ".join(FIGURES)} and all')
+            raise unknown_name("figure", name, [*FIGURES, "all"])
     if trials < 1:
-        raise SceneError(f"trials is {trials}: give 1 or more")
+        raise stated("trials", f"is {trials}", "give 1 or more")
     if not 0 <= seed < 2**63:
-        raise SceneError(f"seed is {seed}: give 0 to 2^63 - 1")
+        raise stated("seed", f"is {seed}", "give 0 to 2^63 - 1")
     _make(output)
     verdicts: list[tuple[str, Verdict]] = []
     chunks = output / ".chunks"
@@ -101,7 +101,9 @@ def _make(folder: Path) -> None:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        raise SceneError(f'output "{folder}" cannot be written ({error.strerror}): choose another') from error
+        raise stated(
+            f'output "{folder}"', f"cannot be written ({error.strerror})", "choose another", code="unwritable"
+        ) from error
 
 
 def _figure(name: str, run: Run, output: Path) -> list[Verdict]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from .._midair import Plane, SceneError, SceneWarning, field
+from .._midair import Plane, SceneWarning, field, stated
 from .._pictures.colours import MAPS
 from .._pictures.panel import POINT, sides
 from .._support.arguments import callback, whole
@@ -124,9 +124,8 @@ class _Film:
         from matplotlib.animation import FFMpegWriter
 
         if not FFMpegWriter.isAvailable():
-            raise SceneError(
-                "output .mp4 needs ffmpeg, which is not there: install it, or give a .webp or .gif"
-            )
+            cure = "install it, or give a .webp or .gif"
+            raise stated("output .mp4", "needs ffmpeg, which is not there", cure, code="missing")
         self.program = FFMpegWriter.bin_path()
         self.path, self.fps = path, fps
         self.process: subprocess.Popen[bytes] | None = None
@@ -151,7 +150,7 @@ class _Film:
         _, reported = self.process.communicate()
         if self.process.returncode:
             line = " ".join(reported.decode(errors="replace").split()) or f"code {self.process.returncode}"
-            raise SceneError(f"ffmpeg ended with: {line}; give a .webp or .gif")
+            raise stated("ffmpeg", "ended with", f"{line}; give a .webp or .gif")
 
     def close(self) -> None:
         """End ffmpeg if it still waits for pictures."""

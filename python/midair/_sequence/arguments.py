@@ -7,7 +7,7 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, SceneError, numbers
+from .._midair import Array, SceneError, numbers, restated, stated
 from .._support.arguments import number, refused, warn, whole
 from .envelope import Hold
 
@@ -25,7 +25,7 @@ def targets(given: Any, shape: tuple[int, int]) -> NDArray[np.float64]:
     cure = f"give {shape} in Pa like the points, ({shape[1]},) or one number, 0 for not there"
     found = numbers("targets", given, [shape, shape[1:], ()], cure, least=0)
     if not found.any():
-        raise SceneError("targets are 0 everywhere: give a pressure above 0 in at least one frame")
+        raise stated("targets", "are 0 everywhere", "give a pressure above 0 in at least one frame")
     return np.broadcast_to(found, shape)
 
 
@@ -42,7 +42,7 @@ def quantization(given: Any, array: Array) -> dict[str, Any] | None:
     try:
         return Array.grid(1, 1, 0.01, quantization=given).quantization
     except SceneError as error:
-        raise SceneError(str(error).removeprefix("array.")) from None
+        raise restated(error, item=error.item.removeprefix("array.")) from None
 
 
 def time_constant(given: Any) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import path as paths
-from .._midair import Array, SceneError, placed, read_motion, read_table, solver_name
+from .._midair import Array, SceneError, placed, read_motion, read_table, restated, solver_name, stated
 from .._points.drawn import called
 from .._support.arguments import existing, refused, word
 from .._support.text import array, content
@@ -57,10 +57,11 @@ class Document:
         try:
             return sequence(self.array if array is None else array, self.path, name, **given)
         except SceneError as error:
-            reported = placed(self.file.read_bytes(), str(self.file), f"motion.{error}")
-            if reported.startswith("motion.") or str(error).partition(" is ")[0] in keywords:
+            named = restated(error, item=f"motion.{error.item}")
+            found = placed(self.file.read_bytes(), str(self.file), named)
+            if found is None or error.item in keywords:
                 raise
-            raise SceneError(reported) from error
+            raise found from error
 
 
 def read(file: Path) -> Document | None:
@@ -103,7 +104,9 @@ def _points(name: str, folder: Path) -> NDArray[np.float64]:
     """
     file = folder / name
     if not file.is_file():
-        raise SceneError("there is no such file: give a .npy or .csv file beside the scene file")
+        raise stated(
+            "", "there is no such file", "give a .npy or .csv file beside the scene file", code="missing"
+        )
     if file.suffix.lower() == ".csv":
         return _frames(file)
     try:
@@ -112,9 +115,9 @@ def _points(name: str, folder: Path) -> NDArray[np.float64]:
         raise
     except ValueError as error:
         cure = "give points (T, M, 3) as .npy, or .csv with the columns frame, point, x, y, z"
-        raise SceneError(cure) from error
+        raise stated("", cure, "", code="unreadable") from error
     if found.ndim != 3 or found.shape[2] != 3 or not found.size:
-        raise SceneError(f"its shape is {found.shape}: give points (T, M, 3)")
+        raise stated("its shape", f"is {found.shape}", "give points (T, M, 3)")
     return found
 
 
@@ -122,25 +125,25 @@ def _frames(file: Path) -> NDArray[np.float64]:
     """Return points (T, M, 3) of a table with one row for each point of each frame, in any order."""
     lines, rows = read_table(content(file, empty=True), str(file), *FRAMES)
 
-    def wrong(row: int, reason: str) -> SceneError:
-        return SceneError(f"{file}, line {lines[row]}: {reason}")
+    def wrong(row: int, words: str, cure: str) -> SceneError:
+        return restated(stated("", words, cure, "unreadable"), place=f"{file}, line {lines[row]}")
 
     for column, name in enumerate(("frame", "point")):
         bad = np.flatnonzero((rows[:, column] < 0) | (rows[:, column] % 1 != 0))
         if bad.size:
             value = f"{rows[bad[0], column]:g}"
-            raise wrong(bad[0], f"{name} is {value}: count them 0, 1, 2, ...")
+            raise wrong(bad[0], f"{name} is {value}", "count them 0, 1, 2, ...")
     frames, count = (int(rows[:, column].max()) + 1 for column in (0, 1))
     if frames * count > len(rows):
-        raise SceneError(
-            f"{file}: {frames} frames of {count} points need {frames * count} rows, {len(rows)} are there"
+        raise stated(
+            "", file, f"{frames} frames of {count} points need {frames * count} rows, {len(rows)} are there"
         )
     places = rows[:, 0].astype(int) * count + rows[:, 1].astype(int)
     once, first = np.unique(places, return_index=True)
     if len(once) < len(places):
         twice = np.setdiff1d(np.arange(len(places)), first)[0]
         frame, point = divmod(int(places[twice]), count)
-        raise wrong(twice, f"point {point} of frame {frame} is there twice: give it once")
+        raise wrong(twice, f"point {point} of frame {frame} is there twice", "give it once")
     points = np.empty((frames * count, 3))
     points[places] = rows[:, 2:]
     return points.reshape(frames, count, 3)
@@ -149,7 +152,7 @@ def _frames(file: Path) -> NDArray[np.float64]:
 def path_of(table: dict[str, Any], folder: Path) -> Moving:
     """Make the path that a table of a scene file describes. `folder` contains the files that it names."""
     if "kind" not in table:
-        raise SceneError(f"kind is left out: give one of {', '.join(KINDS)}")
+        raise stated("kind", "is left out", f"give one of {', '.join(KINDS)}", code="missing")
     kind = word("kind", table.pop("kind"))
     if kind not in KINDS:
         raise refused("kind", kind, f"give one of {', '.join(KINDS)}")
@@ -165,7 +168,6 @@ def path_of(table: dict[str, Any], folder: Path) -> Moving:
         modulated: Moving = called(path.with_am, "am", modulation, folder)
     except SceneError as error:
         # The path may have a key of the same name.
-        key, _, rest = str(error).partition(" ")
-        named = key in modulation or rest.startswith("is left out")
-        raise SceneError(f"am.{error}" if named else str(error)) from None
+        named = error.item in modulation or error.code == "missing"
+        raise (restated(error, item=f"am.{error.item}") if named else error) from None
     return modulated

@@ -14,7 +14,7 @@ from weakref import finalize
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, SceneError, numbers
+from .._midair import Array, numbers, stated
 from .._support.arguments import refused
 
 #: Complex numbers per block: 16 MB in single precision, about 0.2 s of computation.
@@ -112,11 +112,8 @@ def read(given: Any, array: Array, phases: int | None) -> Drives:
         raise refused("drives.shape", found.shape, cure)
     whole = found.dtype.kind in "iu"
     if whole and phases is None:
-        raise refused(
-            "quantization",
-            None,
-            'drives of whole numbers are phase codes, give quantization={"phases": 256} or complex drives',
-        )
+        cure = 'drives of whole numbers are phase codes, give quantization={"phases": 256} or complex drives'
+        raise refused("quantization", None, cure)
     most = phases if whole else None
     if isinstance(found, Stored):
         found.check = partial(_check, phases=most)
@@ -208,7 +205,7 @@ class Stored:
                 left = left[len(part) :]
             same = not left and self._now() == self._stamp
         if not same:
-            raise SceneError(f'file "{self._path}" was changed while it was in use: load it again')
+            raise stated(f'file "{self._path}"', "was changed while it was in use", "load it again")
         self.check(found, int(run[0]))
         return found
 

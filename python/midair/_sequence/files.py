@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.lib import format as npy
 
-from .._midair import Scene, SceneError
+from .._midair import Scene, stated
 from .._support import output
 from .._support.arguments import path_of
 from .._support.text import arrays
@@ -45,9 +45,8 @@ def whole(path: str | PathLike[str], endings: tuple[str, ...]) -> Iterator[Path]
         output.put(part, target)
     except OSError as error:
         reason = error.strerror or str(error)
-        raise SceneError(
-            f'output "{path}" cannot be written ({reason}): make room or choose another folder'
-        ) from error
+        cure = "make room or choose another folder"
+        raise stated(f'output "{path}"', f"cannot be written ({reason})", cure, code="unwritable") from error
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 

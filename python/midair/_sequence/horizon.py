@@ -9,7 +9,6 @@ the targets.
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -20,7 +19,7 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, Scene, SceneError, Solver, numbers, stiffen, tracks
+from .._midair import Array, Scene, SceneError, Solver, numbers, restated, stated, stiffen, tracks
 from .._support.arguments import refused
 from ..path._piece import changing_pressures
 from .drives import Drives, coded, lowered, narrow, sounding
@@ -115,10 +114,11 @@ class Tracks:
                 progress=None if progress is None else lambda step, steps, _: progress(step, steps),
             )
         except SceneError as error:
-            found = re.match(r"(points|targets)\[(\d+)(.*)", str(error), re.DOTALL)
-            if found is None:
+            if error.index is None:
                 raise
-            raise SceneError(f"{found[1]}[{int(found[2]) + first}{found[3]}") from None
+            # The item is points[t, j] or targets[t, j].
+            item = error.item.replace(f"[{error.index}", f"[{error.index + first}", 1)
+            raise restated(error, item=item, index=error.index + first) from None
 
     def stiffened(
         self,
@@ -175,7 +175,9 @@ def check(solver: str, tau: Any, aim: Any, options: Iterable[str]) -> None:
     if aim not in (None, "target", "max"):
         raise refused("aim", aim, 'give "target" or "max"')
     if unknown := set(options) - {"quantization"}:
-        raise SceneError(f"{min(unknown)} is given: with ahead there is no such option, leave it out")
+        raise stated(
+            f"{min(unknown)}", "is given", "with ahead there is no such option, leave it out", code="conflict"
+        )
 
 
 #: Points (M, 3) in m and targets (M,) in Pa of a frame.
@@ -293,11 +295,11 @@ def numbered(count: int) -> Iterator[None]:
     try:
         yield
     except SceneError as error:
-        text = str(error)
-        if text.startswith(("points", "pressures")):
-            raise SceneError(f"frames[{count}]: {text}") from None
+        place, item = f"frames[{count}]", error.item
+        if item == "frame":
+            raise restated(error, item=place, index=count) from None
         # A solver counts the frames of one call, which is one frame.
-        raise SceneError(re.sub(r"^frames?(\[0\])?(?=[ :])", f"frames[{count}]", text)) from None
+        raise restated(error, place=place, index=count) from None
 
 
 def read_frame(frame: Any) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:

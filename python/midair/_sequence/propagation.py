@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
 import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Scene, SceneError, SceneWarning
+from .._midair import Scene, SceneError, SceneWarning, restated
 from .drives import Drives, blocks
 from .envelope import Envelope
 
@@ -39,12 +38,12 @@ def rows(
                     changes["signature"] = [names[k % len(names)] for k in order]
                 blocks.append(scene.replace(**changes).propagation())
             except SceneError as error:
-                found = re.match(r"points\[(\d+)\](.*)", str(error))
-                if found is None:
+                if error.index is None or not error.item.startswith("points"):
                     raise
-                index = list(np.unravel_index(start + int(found[1]), shape))
+                index = [int(k) for k in np.unravel_index(start + error.index, shape)]
                 index[0] += first
-                raise SceneError(f"{name}[{', '.join(map(str, index))}]{found[2]}") from None
+                rest = error.item.removeprefix(f"points[{error.index}]")
+                raise restated(error, item=f"{name}{index}{rest}", index=index[0]) from None
     return np.concatenate(blocks).reshape(*shape, -1)
 
 

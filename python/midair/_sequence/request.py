@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Bead, Scene, SceneError, solvers
+from .._midair import Array, Bead, Scene, solvers, stated
 from .._support.arguments import number, refused, warn, whole
 from ..path import Path, read
 from .frames import AIR
@@ -220,7 +220,6 @@ def sight(ahead: Any, closed: bool) -> int | None:
         raise refused("ahead", ahead, 'give a whole number of frames, or "all"')
     frames = whole("ahead", ahead, least=0)
     if closed:
-        raise SceneError(
-            f'closed is True, but ahead is {frames}: give ahead="all", that the last frame meets the first'
-        )
+        cure = 'give ahead="all", that the last frame meets the first'
+        raise stated("closed", f"is True, but ahead is {frames}", cure, code="conflict")
     return frames

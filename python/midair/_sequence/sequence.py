@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._midair import Plane, SceneError
-from .._support.arguments import path_of
+from .._midair import Plane, SceneError, restated, stated
+from .._support.arguments import needs, path_of
 from .._support.slips import Later
 from . import files
 from .animation import animate
@@ -186,14 +186,13 @@ class Sequence(JudgedFrames):
         try:
             return Sequence(**files.load(source))
         except SceneError as error:
-            raise SceneError(f'sequence file "{name}": {error}') from error
+            raise restated(error, inside=f'sequence file "{name}"') from error
         except FileNotFoundError:
             raise
         # zip, NumPy and JSON raise errors of many kinds for a damaged file.
         except Exception as error:
-            raise SceneError(
-                f'sequence file "{name}" is damaged, or none: give what sequence.save wrote'
-            ) from error
+            cure = "give what sequence.save wrote"
+            raise stated(f'sequence file "{name}"', "is damaged, or none", cure, code="unreadable") from error
 
     def to_xarray(self) -> Dataset:
         """Return points, targets, pressures, changes and drives (or codes), with named dimensions.
@@ -216,7 +215,7 @@ def dataset(sequence: JudgedFrames) -> Dataset:
     try:
         import xarray
     except ImportError as error:
-        raise SceneError('to_xarray needs xarray: pip install "midair[motion]"') from error
+        raise needs("to_xarray", "xarray", "motion") from error
     board = {} if sequence.codes is None else {"phases": (sequence.quantization or {})["phases"]}
     drives = ("drives", sequence.drives, {}) if sequence.codes is None else ("codes", sequence.codes, board)
     variables: dict[str, tuple[tuple[str, ...], Any, dict[str, Any]]] = {

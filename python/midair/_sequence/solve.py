@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, SceneError, Solution, Solver, solvers
+from .._midair import Array, Solution, Solver, solvers, stated
 from .._support.arguments import callback, number, refused, whole
 from ..path import Path
 from ..path._path import Shape, wave
@@ -124,9 +124,8 @@ def sequence(
     warn_of_speed(requested, board.get("phases"), solver)
     if known is None:
         if resume is not None:
-            raise SceneError(
-                'resume is given, but ahead is "all": all frames are found together, leave it out'
-            )
+            cure = "all frames are found together, leave it out"
+            raise stated("resume", 'is given, but ahead is "all"', cure, code="conflict")
         tracks = _tracks(requested, solver, tau)
         codes = tracks.find(requested.points, requested.targets, closed=requested.closed, progress=progress)
         if requested.stiff and requested.scene.signature == "trap" and len(codes) > 1:
@@ -208,7 +207,7 @@ def modulated(
     (20, 20)
     """
     if solution.scene is None:
-        raise SceneError("solution.scene is None: give a solution of a Scene")
+        raise stated("solution.scene", "is None", "give a solution of a Scene", code="missing")
     by, frames = wave(frequency, shape, depth, samples_rate), number("rate", rate, above=0)
     if frames < 2 * by.finest * (1 - ROUNDING):
         raise refused("rate", rate, f"the modulation needs {2 * by.finest:g} frames a second at least")

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from .._midair import Scene, SceneError, SceneWarning
+from .._midair import Scene, SceneWarning, stated
 from .._support import kept, output
 from .._support.arguments import path_of, refused
 from .._support.text import arrays
@@ -136,9 +136,8 @@ class Pieces:
             other = path.read_bytes() if path.is_file() else b""
             # A damaged request file is ignored: each piece also identifies its request.
             if re.fullmatch(rb"[0-9a-f]{64}", other) and other != request.encode():
-                raise SceneError(
-                    f'resume folder "{folder}" belongs to another request: remove it, or give another file'
-                )
+                cure = "remove it, or give another file"
+                raise stated(f'resume folder "{folder}"', "belongs to another request", cure)
             output.write(path, request.encode())
 
     def save(self, first: int, drives: NDArray[Any], state: dict[str, Any]) -> None:
@@ -184,7 +183,12 @@ def _assemble(
             for first in range(0, shape[0], block):
                 piece = pieces.load(first)
                 if piece is None:
-                    raise SceneError(f'a piece of "{target}{ENDING}" was damaged meanwhile: run this again')
+                    raise stated(
+                        "a piece",
+                        f'of "{target}{ENDING}" was damaged meanwhile',
+                        "run this again",
+                        code="unreadable",
+                    )
                 if first == 0:
                     descr = npy.dtype_to_descr(piece[0].dtype)
                     header = {"descr": descr, "fortran_order": False, "shape": shape}

@@ -19,7 +19,7 @@ import numpy as np
 from websockets.exceptions import ConnectionClosed
 
 from .._boards.errors import BoardError
-from .._midair import SceneError
+from .._midair import SceneError, stated
 from .._support.arguments import flag, json_object, number, refused, word
 from .client import Client
 from .live import Frame, Live, Wanted
@@ -78,7 +78,7 @@ class Player:
             self.live.off()
             return
         if self._tacton is None:
-            raise SceneError("no pattern is there: send update_pattern before update_playstart")
+            raise stated("no pattern", "is there", "send update_pattern before update_playstart")
         begin = time.monotonic() + offset / 1e3
         frames = self._frames(begin, Moment(self._time))
         self.live.play(Wanted(page.client, frames, change=math.pi), tracked=self._tracked)

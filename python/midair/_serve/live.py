@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._boards.connection import Connection
 from .._boards.errors import BoardLost, BoardTimeout
 from .._boards.transport import before_what_computes
-from .._midair import Scene, SceneError
+from .._midair import Scene, stated
 from .._sequence import stream
 from .._support.arguments import number
 from ..path import Path
@@ -113,7 +113,7 @@ class Live:
         Raises SceneError for invalid points.
         """
         if len(points) > MOST_POINTS:
-            raise SceneError(f"points are {len(points)}: give {MOST_POINTS} at most")
+            raise stated("points", f"are {len(points)}", f"give {MOST_POINTS} at most")
         Scene(self.connection.board.array, points, 1.0 if pressures is None else pressures)
         self.play(Wanted(source, lambda time: Frame(points, pressures), constant=True))
 
@@ -123,7 +123,7 @@ class Live:
         Raises SceneError for more points than a frame can have, and for points that cannot be played.
         """
         if path.points > MOST_POINTS:
-            raise SceneError(f"path has {path.points} points: give {MOST_POINTS} at most")
+            raise stated("path", f"has {path.points} points", f"give {MOST_POINTS} at most")
         number("path.duration", path.duration, least=LEAST_DURATION)
         for points in path.at(np.linspace(0, path.duration, LOOKED)):
             Scene(self.connection.board.array, points)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._boards.errors import BoardError
-from .._midair import SceneError, numbers
+from .._midair import SceneError, numbers, stated
 from .._sequence import document
 from .._support.arguments import json_object, number, refused, vectors
 from .client import Client
@@ -89,7 +89,7 @@ def obey(
     """
     if isinstance(message, bytes):
         if len(message) % (4 * ROW):
-            raise SceneError(f"message is {len(message)} bytes long: give float32 x, y, z, pressure a point")
+            raise stated("message", f"is {len(message)} bytes long", "give float32 x, y, z, pressure a point")
         return _rows(live, source, np.frombuffer(message, "<f4").astype(np.float64))
     wanted = _read(message)
     if "modulation" in wanted:
@@ -120,7 +120,7 @@ def obey_osc(live: Live, source: Hashable, name: str, values: list[Any]) -> dict
         width = 3 if name == "points" else ROW
         given = numbers(name, values, [(-1,)], f"give {width} numbers a point")
         if given.size % width:
-            raise SceneError(f"{name} are {given.size} numbers: give {width} a point")
+            raise stated(name, f"are {given.size} numbers", f"give {width} a point")
         rows = np.zeros((given.size // width, ROW))
         rows[:, :width] = given.reshape(-1, width)
         return _rows(live, source, rows.ravel())
@@ -150,7 +150,7 @@ def _read(message: str) -> dict[str, Any]:
     """Parse a message: a JSON object with known keys and without NaN."""
     wanted = json_object("message", message, 'give an object such as {"points": [[0, 0, 0.15]]}')
     if not wanted.keys() & set(KEYS):
-        raise SceneError(f"message has none of the keys {', '.join(KEYS)}")
+        raise stated("message", f"has none of the keys {', '.join(KEYS)}", "", code="missing")
     for key in wanted:
         if key not in (*KEYS, "pressures"):
             raise refused("key", key, f"give {', '.join(KEYS)} or pressures")
@@ -160,5 +160,7 @@ def _read(message: str) -> dict[str, Any]:
 def _path(table: Any) -> Any:
     """Return the path of a table as in a scene file. Tables that name files are refused, for safety."""
     if not isinstance(table, dict) or table.get("kind") == "svg" or "file" in table:
-        raise SceneError("path reads a file, or is no object: give a table as in [[motion.path]], but no svg")
+        raise stated(
+            "path", "reads a file, or is no object", "give a table as in [[motion.path]], but no svg"
+        )
     return document.path_of(dict(table), Path())

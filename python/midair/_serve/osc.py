@@ -10,7 +10,7 @@ from typing import Any
 from pythonosc.osc_message import OscMessage, ParseError
 from pythonosc.osc_message_builder import OscMessageBuilder
 
-from .._midair import SceneError
+from .._midair import stated
 
 BUNDLE = b"#bundle\0"
 _HEAD, _SIZE = struct.Struct(">8sQ"), struct.Struct(">i")
@@ -52,7 +52,7 @@ class Datagram:
     def refuse_future(self) -> None:
         """Raise SceneError if a bundle is for a time that has not come."""
         if self.ahead > AHEAD:
-            raise SceneError(f"bundle is for a time in {self.ahead:.3g} s: send it at that time")
+            raise stated("bundle", f"is for a time in {self.ahead:.3g} s", "send it at that time")
 
     def _parts(self, bundle: bytes) -> list[bytes] | None:
         """Return the parts of a bundle, None if it is damaged."""
@@ -97,7 +97,7 @@ def read(message: bytes) -> tuple[str, list[Any]]:
     try:
         found = OscMessage(message)
     except (ParseError, ValueError, struct.error) as error:
-        raise SceneError("message is damaged: give OSC 1.0") from error
+        raise stated("message", "is damaged", "give OSC 1.0", code="unreadable") from error
     return found.address.removeprefix("/midair/"), found.params[1:]
 
 

@@ -30,7 +30,7 @@ from websockets.exceptions import ConnectionClosed
 
 from .._boards.errors import BoardError
 from .._boards.transport import before_what_computes
-from .._midair import SceneError
+from .._midair import SceneError, stated
 from .._support.arguments import refused
 from . import osc
 from .adaptics import Page, Player
@@ -224,8 +224,8 @@ def _bound(port: int, osc_port: int) -> tuple[socket.socket, socket.socket]:
         tcp = socket.create_server(("127.0.0.1", port), backlog=128)
     except (OSError, OverflowError) as error:
         udp.close()
-        raise SceneError(
-            f"port {port} or {osc_port}: {error}; give another one, or 0 for a free one"
+        raise stated(
+            "", f"port {port} or {osc_port}", f"{error}; give another one, or 0 for a free one"
         ) from error
     # Connections inherit it.
     tcp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVED)

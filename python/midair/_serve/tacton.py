@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from .._midair import SceneError
+from .._midair import stated
 from .._support.arguments import json_object, number, refused, word
 
 #: Revisions of the format that this module reads. The parts that it uses are equal in all of them.
@@ -127,7 +127,7 @@ class Tacton:
             raise refused("$REVISION", given.get("$REVISION"), f"give {', '.join(REVISIONS)}")
         listed = _list(given, "keyframes", "")
         if len(listed) > MOST_KEYFRAMES:
-            raise SceneError(f"keyframes are {len(listed)}: give {MOST_KEYFRAMES} at most")
+            raise stated("keyframes", f"are {len(listed)}", f"give {MOST_KEYFRAMES} at most")
         read = [_keyframe(each, f"keyframes[{k}]") for k, each in enumerate(listed)]
         self._keyframes = sorted(read, key=lambda keyframe: keyframe.time)
         self._jumping = [keyframe for keyframe in self._keyframes if keyframe.jumps]
@@ -154,10 +154,10 @@ class Tacton:
         try:
             found = self._at(time, moment, self._lookup(parameters), matrix)
         except (ArithmeticError, ValueError) as error:
-            raise SceneError(f"pattern gives no number at {moment.pattern:.6g} ms: {error}") from error
+            raise stated("pattern", f"gives no number at {moment.pattern:.6g} ms", error) from error
         if not all(map(math.isfinite, (*found.point, found.intensity, *found.moment))):
-            raise SceneError(
-                f"pattern gives no finite point at {moment.pattern:.6g} ms: look at its formulas"
+            raise stated(
+                "pattern", f"gives no finite point at {moment.pattern:.6g} ms", "look at its formulas"
             )
         return found
 
@@ -378,7 +378,7 @@ def _leaf(constant: bool, given: Any, where: str) -> Value:
 
 def _formula(given: Any, where: str, deep: int) -> Value:
     if deep > MOST_DEEP:
-        raise SceneError(f"{where} is deeper than {MOST_DEEP} levels: give a simpler formula")
+        raise stated(where, f"is deeper than {MOST_DEEP} levels", "give a simpler formula")
     if not isinstance(given, dict):
         raise refused(where, given, "give a formula")
     kind = _one_of(given, "type", where, ("constant", "parameter", "negate", *OPERATORS))

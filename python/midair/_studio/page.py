@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from .._midair import Array, Plane, Scene, SceneError, Solution, solvers
+from .._midair import Array, Plane, Scene, Solution, solvers, stated
 from .._support import output
 from .._support.arguments import warn
 
@@ -19,7 +19,7 @@ def file(name: str, folder: Path = BUILT) -> Path:
     """Return the path of a file of the page. Raises SceneError if the page was not built."""
     path = folder / name
     if not path.is_file():
-        raise SceneError(f"the studio's {name} is not built: run `make studio` in a clone of midair")
+        raise stated(f"the studio's {name}", "is not built", "run `make studio` in a clone of midair")
     return path
 
 
@@ -45,14 +45,14 @@ def scene_text(what: Scene | Solution) -> str:
     """
     scene = what.scene if isinstance(what, Solution) else what
     if scene is None:
-        raise SceneError("solution is of a matrix: the studio shows scenes, give one with a midair.Scene")
+        raise stated("solution", "is of a matrix", "the studio shows scenes, give one with a midair.Scene")
     document = json.loads(scene.json())
     if isinstance(what, Solution) and what.solver in solvers():
         document["solver"] = {**json.loads(output.to_json(what.options)), "name": what.solver}
     elif isinstance(what, Solution):
         warn(f"the studio does not know the solver {what.solver}: its own are taken")
     for line in misfits(document, KEYS):
-        raise SceneError(f"{line} (docs/studio.md says what the studio has)")
+        raise stated("", f"{line} (docs/studio.md says what the studio has)", "", code="unreadable")
     return json.dumps(document)
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from .._boards import BoardError, Connection
-from .._midair import SceneError
+from .._midair import SceneError, stated
 from .page import BUILT, file
 
 #: Content types by file ending. Browsers require them, because the header "nosniff" forbids guessing.
@@ -83,9 +83,10 @@ class PagesBoard:
         a drive of another array, BoardError if the board is gone.
         """
         if content and len(content) != self.most:
-            raise SceneError(
-                f"drive has {len(content) / 8:g} transducers, {self.connection.board.name} has "
-                f"{self.most // 8}: choose the array that midair studio began with"
+            raise stated(
+                "drive",
+                f"has {len(content) / 8:g} transducers, {self.connection.board.name} has {self.most // 8}",
+                "choose the array that midair studio began with",
             )
         with self._lock:
             if not at > self._last:
@@ -126,7 +127,7 @@ class Server(ThreadingHTTPServer):
             super().__init__(("127.0.0.1", port), Answer)
         except (OSError, OverflowError) as error:
             reason = error.strerror if isinstance(error, OSError) else "no port has this number"
-            raise SceneError(f"port is {port}: {reason}; leave it out, and a free one is taken") from error
+            raise stated("port", f"is {port}", f"{reason}; leave it out, and a free one is taken") from error
 
     @property
     def address(self) -> str:

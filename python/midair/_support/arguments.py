@@ -16,16 +16,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import SceneError, SceneWarning, numbers
+from .._midair import SceneError, SceneWarning, numbers, stated
 
 #: Largest size in bytes of a drawing or a scene file.
 MOST_BYTES = 64 << 20
 
 
-def refused(item: str, value: Any, cure: str) -> SceneError:
+def refused(item: str, value: Any, cure: str, code: str = "invalid") -> SceneError:
     """Return the error for an argument, in one line."""
     given = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
-    return SceneError(" ".join(f"{item} is {shown(given)}: {cure}".split()))
+    return stated(item, f"is {shown(given)}", cure, code)
+
+
+def needs(user: str, package: str, extra: str) -> SceneError:
+    """Return the error for a package that is not installed, with the extra of midair that has it."""
+    return stated(user, f"needs {package}", f'pip install "midair[{extra}]"', "missing")
 
 
 def warn(text: str) -> None:
@@ -54,36 +59,36 @@ def number(item: str, value: Any, *, above: float | None = None, least: float | 
     bound = "" if above is None else f" above {above:g}"
     bound = bound if least is None else f" of at least {least:g}"
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
-        raise refused(item, value, f"give a number{bound}")
+        raise refused(item, value, f"give a number{bound}", "type")
     try:
         finite = math.isfinite(value)
     except OverflowError:
         finite = False
     if not finite:
-        raise refused(item, value, "give a finite number")
+        raise refused(item, value, "give a finite number", "not-finite")
     if (above is not None and value <= above) or (least is not None and value < least):
-        raise refused(item, value, f"give a number{bound}")
+        raise refused(item, value, f"give a number{bound}", "out-of-range")
     return float(value)
 
 
 def whole(item: str, value: Any, *, least: int) -> int:
     """Check a whole number; return it as an int."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer) or value < least:
-        raise refused(item, value, f"give a whole number of at least {least}")
+        raise refused(item, value, f"give a whole number of at least {least}", "out-of-range")
     return int(value)
 
 
 def word(item: str, value: Any) -> str:
     """Check that a value is text, and return it."""
     if not isinstance(value, str):
-        raise refused(item, value, "give text in quotes")
+        raise refused(item, value, "give text in quotes", "type")
     return value
 
 
 def flag(item: str, value: Any) -> bool:
     """Check that a value is true or false; return it as a bool."""
     if not isinstance(value, bool | np.bool_):
-        raise refused(item, value, "give true or false")
+        raise refused(item, value, "give true or false", "type")
     return bool(value)
 
 
@@ -115,16 +120,16 @@ def json_object(item: str, text: str | bytes, cure: str) -> dict[str, Any]:
     """Parse a JSON object; rejects NaN and infinity."""
 
     def nan(name: str) -> float:
-        raise SceneError(f"{item} holds {name}: give finite numbers")
+        raise stated(item, f"holds {name}", "give finite numbers")
 
     try:
         found = json.loads(text, parse_constant=nan)
     except SceneError:
         raise
     except (ValueError, RecursionError) as error:
-        raise SceneError(f"{item} is no JSON: {cure}") from error
+        raise stated(item, "is no JSON", cure) from error
     if not isinstance(found, dict):
-        raise SceneError(f"{item} is no JSON object: {cure}")
+        raise stated(item, "is no JSON object", cure)
     return found
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import SceneError
+from .._midair import stated
 from . import output
 
 Arrays = dict[str, NDArray[Any]]
@@ -58,7 +58,7 @@ def save(path: Path, identity: str, arrays: Mapping[str, NDArray[Any]]) -> None:
     Raises SceneError if the file cannot be written.
     """
     if path.parent.is_symlink():
-        raise SceneError(f'"{path.parent}" is a link: remove it, or choose another output')
+        raise stated(f'"{path.parent}"', "is a link", "remove it, or choose another output")
     content = io.BytesIO()
     np.savez(content, **arrays)  # type: ignore[arg-type]
     packed = content.getvalue()
@@ -81,17 +81,19 @@ def refusing(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise SceneError(
-            f'"{path}" cannot be written ({error.strerror or error}): make room or choose another folder;'
-            " what is done is kept"
+        raise stated(
+            f'"{path}"',
+            f"cannot be written ({error.strerror or error})",
+            "make room or choose another folder; what is done is kept",
+            code="unwritable",
         ) from error
 
 
 def check(folder: Path) -> None:
     """Raise SceneError if a folder for cache files is a link or no folder."""
     if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
-        raise SceneError(
-            f'"{folder}" is there and no folder of kept results: remove it, or choose another output'
+        raise stated(
+            f'"{folder}"', "is there and no folder of kept results", "remove it, or choose another output"
         )
 
 
@@ -105,10 +107,8 @@ def locked(folder: Path) -> Iterator[None]:
     with refusing(folder):
         handle = _kept(folder)
     if handle is None:
-        raise SceneError(
-            f'"{folder}" is in use by another run of the same work:'
-            " wait until that ends, or choose another output"
-        )
+        cure = "wait until that ends, or choose another output"
+        raise stated(f'"{folder}"', "is in use by another run of the same work", cure)
     windows = os.name == "nt"
     try:
         yield

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from .._midair import Scene, SceneError, Solution, drive_to_csv
+from .._midair import Scene, Solution, drive_to_csv, stated
 
 DRIVES = (".npz", ".csv", ".json")
 METRICS = ("accuracy", "sigma", "uniformity", "level", "residual", "leak")
@@ -32,21 +32,21 @@ def check(path: Path, endings: tuple[str, ...], others: Iterable[Path] = ()) -> 
     `others` are files that the path must not name, even by a link: the input files and the other outputs.
     """
     if path.suffix.lower() not in endings:
-        raise SceneError(
-            f'output "{path}" has no known ending: give {" or ".join(", ".join(endings).rsplit(", ", 1))}'
-        )
+        cure = f"give {' or '.join(', '.join(endings).rsplit(', ', 1))}"
+        raise stated(f'output "{path}"', "has no known ending", cure, code="unwritable")
     try:
         target = real(path)
         mode = target.stat().st_mode if target.exists() else None
         if mode is not None and stat.S_ISDIR(mode):
-            raise SceneError(f'output "{path}" is a folder: give a file')
+            raise stated(f'output "{path}"', "is a folder", "give a file", code="unwritable")
         if mode is not None and not stat.S_ISREG(mode):
-            raise SceneError(f'output "{path}" is a device or pipe: give a file')
+            raise stated(f'output "{path}"', "is a device or pipe", "give a file", code="unwritable")
         if not target.parent.is_dir():
-            raise SceneError(f'output folder "{path.parent}" is not there: make it first')
+            raise stated(f'output folder "{path.parent}"', "is not there", "make it first", code="unwritable")
         for other in others:
             if _same(target, other):
-                raise SceneError(f'output "{path}" is the file "{other}" itself: give another name')
+                cure = "give another name"
+                raise stated(f'output "{path}"', f'is the file "{other}" itself', cure, code="unwritable")
         if mode is not None and not os.access(target, os.W_OK):
             raise PermissionError(13, "write-protected")
         tidy(target)
@@ -55,9 +55,8 @@ def check(path: Path, endings: tuple[str, ...], others: Iterable[Path] = ()) -> 
         part.unlink()
     except OSError as error:
         reason = error.strerror or str(error)
-        raise SceneError(
-            f'output "{path}" cannot be written ({reason}): choose another name or folder'
-        ) from error
+        cure = "choose another name or folder"
+        raise stated(f'output "{path}"', f"cannot be written ({reason})", cure, code="unwritable") from error
 
 
 def real(path: Path) -> Path:

@@ -14,7 +14,7 @@ from importlib import import_module
 from types import FunctionType, MethodDescriptorType, ModuleType
 from typing import Any, cast
 
-from .._midair import SceneError, array_parts, scene_keys, unknown
+from .._midair import SceneError, array_parts, nearest, restated, scene_keys, unknown_name
 
 #: Keywords that the core declares, by the name of the `**` argument that takes them, such as `**parts` of an
 #: array.
@@ -105,12 +105,8 @@ def _guided(function: Callable[..., Any], name: str, signed: Any = None) -> Call
         try:
             return function(*arguments, **keywords)
         except (TypeError, SceneError) as error:
-            if keywords and (slip := _slip(signed or call, name, arguments, keywords, error)):
+            if slip := _slip(signed or call, name, arguments, keywords, error):
                 raise slip from None
-            # Python's own errors name the private function.
-            private = f"{getattr(function, '__qualname__', name)}()"
-            if isinstance(error, TypeError) and str(error).startswith(private):
-                raise TypeError(str(error).replace(private, f"{name}()", 1)) from None
             raise
 
     if _takes_declared(function):
@@ -156,27 +152,29 @@ def _slip(
     keywords: Mapping[str, Any],
     error: Exception,
 ) -> Exception | None:
-    """Return a better error if a keyword that the function does not name has caused it, else None."""
+    """Return a better error if the arguments have caused it: an unknown keyword, a missing one; else None."""
     signature = inspect.signature(function)
     named = [each.name for each in signature.parameters.values() if each.kind in NAMED]
     known = [each for each in named if each != "self" and not each.startswith("_")]
     for keyword in keywords:
         if keyword in named:
             continue
-        hint, line = unknown(f"argument of {name}", keyword, known)
-        if not _binds(signature, arguments, keywords):
+        if _unbound(signature, arguments, keywords):
+            line = str(unknown_name(f"argument of {name}", keyword, known))
             return TypeError(line if known else f'{name} takes no keywords: leave "{keyword}" out')
         # Other keywords are a solver's options. An unknown one may be a mistyped argument's name.
-        place = f'"{keyword}": known'
-        if hint and place in str(error):
-            return type(error)(str(error).replace(place, f'"{keyword}": {hint}known'))
-    return None
+        named = isinstance(error, SceneError) and error.code == "unknown" and error.value == keyword
+        if named and (meant := nearest(keyword, known)):
+            return restated(error, meant=meant)
+    # Python's own error names the private function.
+    reason = isinstance(error, TypeError) and _unbound(signature, arguments, keywords)
+    return TypeError(f"{name}: {reason}") if reason else None
 
 
-def _binds(signature: inspect.Signature, arguments: Sequence[Any], keywords: Mapping[str, Any]) -> bool:
-    """Return whether a call has all arguments that the signature requires."""
+def _unbound(signature: inspect.Signature, arguments: Sequence[Any], keywords: Mapping[str, Any]) -> str:
+    """Return why a call does not fit the signature, "" if it does."""
     try:
         signature.bind(*arguments, **keywords)
-    except TypeError:
-        return False
-    return True
+    except TypeError as error:
+        return str(error)
+    return ""

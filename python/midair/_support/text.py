@@ -19,7 +19,7 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from .._midair import SceneError, memory_limit
+from .._midair import SceneError, memory_limit, restated, stated
 
 #: Largest size in bytes of a file and of its unpacked content: 50 000 frames of 512 transducers, of at most
 #: 5 kB each.
@@ -32,14 +32,19 @@ def meanings(table: str) -> dict[str, str]:
     return {str(head): str(meaning) for head, meaning in found.items()}
 
 
-def fault(path: str | PathLike[str], line: int | None, reason: str) -> SceneError:
+def fault(path: str | PathLike[str], line: int | None, words: str | SceneError, cure: str = "") -> SceneError:
     """Return the error about a faulty file, in one line."""
     place = f'file "{path}"' if line is None else f'file "{path}", line {line}'
-    return SceneError(" ".join(f"{place}: {reason}".split()))
+    error = stated("", words, cure, "unreadable") if isinstance(words, str) else words
+    return restated(error, inside=place)
 
 
-#: Error text for a path that is no file. A pipe or a device may send data without end, so it is not read.
-NO_FILE = "it is a folder, device or pipe: give a file"
+def no_file() -> SceneError:
+    """Return the error about a path that is no file.
+
+    A pipe or a device may send data without end, so it is not read.
+    """
+    return stated("it", "is a folder, device or pipe", "give a file", "unreadable")
 
 
 def _no_file(file: Path) -> bool:
@@ -54,19 +59,19 @@ def content(path: str | PathLike[str], most: int = MOST_BYTES, *, empty: bool = 
     """
     file, most = Path(path), min(most, memory_limit())
     if "\0" in str(file):
-        raise SceneError("a name of a file has a character of code 0: give the name of a file")
+        raise stated("a name", "of a file has a character of code 0", "give the name of a file")
     try:
         if _no_file(file):
-            raise fault(path, None, NO_FILE)
+            raise fault(path, None, no_file())
         with file.open("rb") as stream:
             found = stream.read(most + 1)
     except OSError as error:
         reason = error.strerror or str(error)
-        raise fault(path, None, f"it cannot be read ({reason}): give a file that is there") from error
+        raise fault(path, None, f"it cannot be read ({reason})", "give a file that is there") from error
     if len(found) > most:
-        raise fault(path, None, f"it is larger than {_size(most)}: give a smaller one")
+        raise fault(path, None, f"it is larger than {_size(most)}", "give a smaller one")
     if not found and not empty:
-        raise fault(path, None, "it is empty: give a file with something in it")
+        raise fault(path, None, "it is empty", "give a file with something in it")
     return found
 
 
@@ -77,7 +82,7 @@ def arrays(path: str | PathLike[str], only: Collection[str] | None = None) -> di
     damaged.
     """
     if _no_file(Path(path)):
-        raise SceneError(NO_FILE)
+        raise no_file()
     with open(path, "rb") as stream:
         try:
             with zipfile.ZipFile(stream) as archive:
@@ -85,9 +90,10 @@ def arrays(path: str | PathLike[str], only: Collection[str] | None = None) -> di
             names = [name for name in sizes if only is None or name in only]
             needed = sum(sizes[name] for name in names)
             if needed > memory_limit():
-                raise SceneError(
-                    f"it unpacks to {_size(needed)}, more than the {_size(memory_limit())} allowed:"
-                    " give a smaller one, or raise MIDAIR_MEMORY"
+                raise stated(
+                    "it",
+                    f"unpacks to {_size(needed)}, more than the {_size(memory_limit())} allowed",
+                    "give a smaller one, or raise MIDAIR_MEMORY",
                 )
             with np.load(stream, allow_pickle=False) as found:
                 return {name: found[name] for name in names}
@@ -118,7 +124,7 @@ def text(path: str | PathLike[str], found: bytes | None = None) -> str:
     try:
         return (content(path) if found is None else found).decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise fault(path, None, "it is no text: give a text file in UTF-8") from error
+        raise fault(path, None, "it is no text", "give a text file in UTF-8") from error
 
 
 def unpacked(path: str | PathLike[str], found: bytes, kind: str, most: int = MOST_BYTES) -> bytes:
@@ -127,13 +133,13 @@ def unpacked(path: str | PathLike[str], found: bytes, kind: str, most: int = MOS
     try:
         whole = packed.decompress(found, most + 1)
     except zlib.error as error:
-        raise fault(path, None, f"its {kind} data are damaged: get the file again") from error
+        raise fault(path, None, f"its {kind} data are damaged", "get the file again") from error
     if len(whole) > most:
-        raise fault(path, None, f"it unpacks to more than {most >> 20} MB: give a smaller one")
+        raise fault(path, None, f"it unpacks to more than {most >> 20} MB", "give a smaller one")
     if not packed.eof:
-        raise fault(path, None, f"its {kind} data end too soon: get the file again")
+        raise fault(path, None, f"its {kind} data end too soon", "get the file again")
     if packed.unused_data:
-        raise fault(path, None, f"something follows its {kind} data: get the file again")
+        raise fault(path, None, f"something follows its {kind} data", "get the file again")
     return whole
 
 
@@ -172,7 +178,7 @@ def numbers(
         for index, cell in enumerate(found):
             if number(cell) is None:
                 name = names[index] if names else f"column {index + 1}"
-                raise fault(path, line, f'{name} is "{cell}": give a finite number')
+                raise fault(path, line, f'{name} is "{cell}"', "give a finite number")
     return row
 
 
@@ -183,9 +189,9 @@ def columns(
     found = [name.lower() for name in header]
     for name in needed:
         if name not in found:
-            raise fault(path, line, f'there is no column "{name}": {cure}')
+            raise fault(path, line, f'there is no column "{name}"', cure)
         if found.count(name) > 1:
-            raise fault(path, line, f'column "{name}" is there twice: {cure}')
+            raise fault(path, line, f'column "{name}" is there twice', cure)
     return {name: index for index, name in reversed(list(enumerate(found)))}
 
 

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from .._midair import Array, Scene, SceneError, SceneWarning, array_parts, scene_keys
+from .._midair import Array, Scene, SceneWarning, array_parts, scene_keys, stated
 
 
 def plain(value: Any, name: str = "") -> Any:
     """Return a value as dicts, lists, finite numbers and text; scenes and paths in `scenes` do not change."""
     if isinstance(value, float) and not math.isfinite(value):
-        raise SceneError(f"{name or 'sweep'} is {float(value)}: give a finite number")
+        raise stated(f"{name or 'sweep'}", f"is {float(value)}", "give a finite number")
     if isinstance(value, str):
         return _word(value, name)
     if value is None or isinstance(value, bool | int | float):
@@ -38,12 +38,12 @@ def plain(value: Any, name: str = "") -> Any:
     if isinstance(value, Sequence):
         return [plain(inner, f"{name}[{index}]") for index, inner in enumerate(value)]
     cure = "give numbers, words, lists and tables as a sweep file has them"
-    raise SceneError(f"{name or 'sweep'} is {short(value)}: {cure}")
+    raise stated(f"{name or 'sweep'}", f"is {short(value)}", cure)
 
 
 def _word(text: str, name: str) -> str:
     if not text.isprintable():
-        raise SceneError(f"{name or 'sweep'} has {short(text)}: give words that can be printed")
+        raise stated(f"{name or 'sweep'}", f"has {short(text)}", "give words that can be printed")
     return text
 
 
@@ -101,14 +101,13 @@ def read_axes(tables: Tables) -> dict[str, list[Any]]:
     for name, values in [*_lists(tables), *_flat(tables.get("axes", {}))]:
         root, _, key = name.partition(".")
         if root not in _SINGLE or not key:
-            raise SceneError(
-                f'unknown axis "{name}": give a key of array, medium or points, such as medium.temperature;'
-                " options of a solver and points.count take lists where they stand"
-            )
+            lists = "options of a solver and points.count take lists where they stand"
+            cure = f"give a key of array, medium or points, such as medium.temperature; {lists}"
+            raise stated("", f'unknown axis "{name}"', cure)
         if not isinstance(values, list) or not values:
-            raise SceneError(f"axis {name} is {short(values)}: give a list of values")
+            raise stated(f"axis {name}", f"is {short(values)}", "give a list of values")
         if name in axes:
-            raise SceneError(f"axis {name} is given twice: leave one out")
+            raise stated(f"axis {name}", "is given twice", "leave one out", code="conflict")
         axes[name] = values
     return axes
 
@@ -124,7 +123,9 @@ def _lists(tables: Tables) -> Iterator[tuple[str, Any]]:
 def _flat(table: Any, before: str = "") -> Iterator[tuple[str, Any]]:
     """Yield (name, values) of each axis. Names have dots, even if the file has nested tables instead."""
     if not isinstance(table, Mapping):
-        raise SceneError(f"axes is {short(table)}: give a table [axes] such as medium.temperature = [15, 25]")
+        raise stated(
+            "axes", f"is {short(table)}", "give a table [axes] such as medium.temperature = [15, 25]"
+        )
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from _flat(value, f"{before}{key}.")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import warnings
 from collections.abc import Mapping
 from functools import lru_cache
@@ -13,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _midair
-from .._midair import Array, Scene, SceneError, SceneWarning, solvers
+from .._midair import Array, Scene, SceneError, SceneWarning, restated, solvers
 from .._support.kept import Arrays
 from .._support.output import METRICS
 from .engine import Stopped, go_on
@@ -139,8 +138,9 @@ def _solve(
 
 def _of_the_trial(error: SceneError, trials: list[int], count: int) -> SceneError:
     """Return the error of a batch with the trial's seed instead of its index."""
-    found = re.fullmatch(r"problems\[(\d+)\]: (.*)", str(error))
-    return SceneError(f"seed {trials[int(found[1])]}, {count} points: {found[2]}") if found else error
+    if error.index is None:
+        return error
+    return restated(error, place=f"seed {trials[error.index]}, {count} points")
 
 
 def _arrays(found: list[_midair.Batch]) -> Arrays:

@@ -22,8 +22,9 @@ from threading import Thread
 from typing import TYPE_CHECKING, Any
 
 from .. import _midair
-from .._midair import SceneError, SceneWarning
+from .._midair import SceneError, SceneWarning, stated
 from .._support import kept
+from .._support.arguments import needs
 from .._support.ctrl_c import interruptible
 from .._support.kept import Arrays
 
@@ -43,15 +44,15 @@ def workers(scheduler: str) -> Iterator[tuple[Executor, int]]:
     try:
         from distributed import KilledWorker
     except ImportError as error:
-        raise SceneError('a scheduler needs Dask: pip install "midair[cluster]"') from error
+        raise needs("a scheduler", "Dask", "cluster") from error
     with _quiet(), _connected(scheduler) as client:
         try:
             # If a worker is lost, Dask gives its jobs to another one.
             yield client.get_executor(pure=False), max(sum(client.nthreads().values()), 1)
         except KilledWorker as error:
-            raise SceneError(f"worker after worker was lost ({error}): what is done is kept") from error
+            raise stated("worker after worker", f"was lost ({error})", "what is done is kept") from error
         except CancelledError as error:
-            raise SceneError(f'scheduler "{scheduler}" was lost: what is done is kept') from error
+            raise stated(f'scheduler "{scheduler}"', "was lost", "what is done is kept") from error
 
 
 @contextmanager
@@ -89,10 +90,8 @@ def _connected(scheduler: str) -> Client:
     except Empty:
         answer = TimeoutError()
     if isinstance(answer, Exception):
-        raise SceneError(
-            f'scheduler "{scheduler}" does not answer: give the address that `dask scheduler` prints,'
-            " such as tcp://127.0.0.1:8786"
-        ) from answer
+        cure = "give the address that `dask scheduler` prints, such as tcp://127.0.0.1:8786"
+        raise stated(f'scheduler "{scheduler}"', "does not answer", cure) from answer
     return answer
 
 
@@ -226,7 +225,7 @@ def _work(requested: str, function: Function, settings: Settings, start: int, st
     """Run one job, in a thread of this process or on another machine."""
     here = version("midair")
     if here != requested:
-        raise SceneError(f"a worker has midair {here}, the run midair {requested}: install the same on all")
+        raise stated("a worker", f"has midair {here}, the run midair {requested}", "install the same on all")
     return function(settings, start, stop)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 import warnings
 from collections.abc import Collection, Mapping
 from functools import lru_cache
@@ -13,7 +12,18 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from .._midair import Array, Scene, SceneError, SceneWarning, memory_limit, scene_files, sweep_keys
+from .._midair import (
+    Array,
+    Scene,
+    SceneError,
+    SceneWarning,
+    memory_limit,
+    restated,
+    scene_files,
+    stated,
+    sweep_keys,
+    unknown_name,
+)
 from .._support.arguments import warn
 from .axes import Tables, array_table, column, put, short
 from .block import array_and_medium, first_scene, trial_seed
@@ -38,20 +48,20 @@ def known(table: Mapping[str, Any], keys: Collection[str], where: str) -> None:
     """Raise SceneError if a table has a key that is not in `keys`."""
     for key in table:
         if key not in keys:
-            raise SceneError(f'unknown key of {where} "{key}": known are {", ".join(keys)}')
+            raise unknown_name(f"key of {where}", str(key), list(keys))
 
 
 def few(blocks: int) -> None:
     """Raise SceneError for too many blocks, before they are made."""
     if blocks > MOST_BLOCKS:
-        raise SceneError(f"the sweep has {blocks} combinations of its axes: at most 10^6, shorten an axis")
+        raise stated("the sweep", f"has {blocks} combinations of its axes", "at most 10^6, shorten an axis")
 
 
 def table_of(tables: Tables, key: str) -> Tables:
     """Return a table of the request, empty if it is missing."""
     table = tables.get(key, {})
     if not isinstance(table, Mapping):
-        raise SceneError(f"{key} is {short(table)}: give a table [{key}]")
+        raise stated(key, f"is {short(table)}", f"give a table [{key}]")
     return dict(table)
 
 
@@ -60,19 +70,14 @@ def tables_of(tables: Tables, key: str) -> list[Tables]:
     found = tables.get(key, [])
     found = [found] if isinstance(found, Mapping) else found
     if not isinstance(found, list) or not all(isinstance(table, Mapping) for table in found):
-        raise SceneError(f"{key} is {short(found)}: give a table [{key}] or several [[{key}]]")
+        raise stated(key, f"is {short(found)}", f"give a table [{key}] or several [[{key}]]")
     return [dict(table) for table in found]
-
-
-def reason(error: SceneError) -> str:
-    """Return the text of an error in a scene, without the line number in its generated text."""
-    return re.sub(r"^scene, line \d+(, column \d+)?: ", "", str(error))
 
 
 def whole(value: Any, name: str, *, least: int = 0) -> int:
     """Check a whole number and return it."""
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 2**63:
-        raise SceneError(f"{name} is {short(value)}: give a whole number, {least} or above")
+        raise stated(name, f"is {short(value)}", f"give a whole number, {least} or above")
     return value
 
 
@@ -118,15 +123,17 @@ def _arrays(tables: Tables) -> list[Base]:
     """Return (words for errors, tables, columns) for each array with each number of points."""
     arrays, medium = tables_of(tables, "array"), table_of(tables, "medium")
     if not arrays:
-        raise SceneError("array is missing: give [array] as in a scene file, or scenes")
+        raise stated("array", "is missing", "give [array] as in a scene file, or scenes", code="missing")
     given = tables.get("points")
     if isinstance(given, list):
         given = _listed(given)
     if not isinstance(given, Mapping):
-        raise SceneError("points is missing: give [points] with count, x, y and z, or scenes")
+        raise stated(
+            "points", "is missing", "give [points] with count, x, y and z, or scenes", code="missing"
+        )
     counts = given.get("count")
     if counts == []:
-        raise SceneError("points.count is an empty list: give a number of points or some")
+        raise stated("points.count", "is an empty list", "give a number of points or some")
     several = [{**given, "count": count} for count in counts] if isinstance(counts, list) else [given]
     return [
         (f"array {index}", {"array": array, "medium": medium, "points": points}, {"array": index})
@@ -139,13 +146,13 @@ def _listed(points: list[Any]) -> Tables:
     """Return the fixed points of [[points]], as in a scene file."""
     for index, point in enumerate(points):
         if not isinstance(point, Mapping) or "position" not in point:
-            raise SceneError(f"points[{index}] is {short(point)}: give a table with a position = [x, y, z]")
+            raise stated(f"points[{index}]", f"is {short(point)}", "give a table with a position = [x, y, z]")
         known(point, ("position", "pressure", "weight"), f"points[{index}]")
     table: Tables = {"positions": [point["position"] for point in points]}
     given = [point["pressure"] for point in points if "pressure" in point]
     if given and len(given) < len(points):
-        raise SceneError(
-            f"points: {len(given)} of {len(points)} have a pressure: give it to every point, or none"
+        raise stated(
+            "points:", f"{len(given)} of {len(points)} have a pressure", "give it to every point, or none"
         )
     if given:
         table["pressures"] = given
@@ -158,12 +165,12 @@ def _scenes(tables: Tables, folder: Path) -> tuple[list[Base], list[Path]]:
     """Return the base of each scene, and the scenes' files. A scene's own solver is ignored."""
     for key in ("array", "medium", "points"):
         if key in tables:
-            raise SceneError(f"{key} is given beside scenes: a scene has its own")
+            raise stated(key, "is given beside scenes", "a scene has its own", code="conflict")
     scenes = tables["scenes"]
     if not isinstance(scenes, list) or not all(isinstance(one, str | PathLike | Scene) for one in scenes):
-        raise SceneError(f"scenes is {short(scenes)}: give a list of scene files, or of midair.Scene")
+        raise stated("scenes", f"is {short(scenes)}", "give a list of scene files, or of midair.Scene")
     if not scenes:
-        raise SceneError("scenes is empty: give a list of scene files")
+        raise stated("scenes", "is empty", "give a list of scene files", code="missing")
     bases: list[Base] = []
     files: list[Path] = []
     for index, one in enumerate(scenes):
@@ -175,8 +182,8 @@ def _scenes(tables: Tables, folder: Path) -> tuple[list[Base], list[Path]]:
             scene, name = Scene.load(folder / one), str(one)
         own = json.loads(scene.json())
         if "obstacles" in own:
-            cure = "which sweeps do not take: leave them out, or solve it by midair.solve"
-            raise SceneError(f"scenes: {name} has obstacles, {cure}")
+            words = f"{name} has obstacles, which sweeps do not take"
+            raise stated("scenes:", words, "leave them out, or solve it by midair.solve")
         base = {"array": array_table(scene.array), "medium": own["medium"], "points": _listed(own["points"])}
         bases.append((f"scene {name}", base, {"scene": name}))
     return bases, files
@@ -188,21 +195,21 @@ def _settings(tables: Tables, common: Mapping[str, Any], where: str, at: str) ->
     known(points, sweep_keys()["points"], "points")
     shift = points.get("shift", [0.0, 0.0, 0.0])
     if not _numbers(shift, 3):
-        raise SceneError(f"points.shift is {short(shift)}: give three numbers, in metres")
+        raise stated("points.shift", f"is {short(shift)}", "give three numbers, in metres")
     settings = {**common, "array": tables["array"], "medium": tables["medium"]}
     settings |= _fixed(points, shift) if "positions" in points else _random(points, shift)
     if "pressure" in points:
         if "pressures" in points:
-            raise SceneError("points.pressure is given beside pressures: leave one out")
+            raise stated("points.pressure", "is given beside pressures", "leave one out", code="conflict")
         settings["pressure"] = _range(points, "pressure")
     try:
         array, _ = array_and_medium(settings)
     except SceneError as error:
-        raise SceneError(f"{where} or medium of the sweep{at}: {reason(error)}") from error
+        raise restated(error, place=f"{where} or medium of the sweep{at}") from error
     try:
         first_scene(settings)
     except SceneError as error:
-        raise SceneError(f"{where}{at}, seed {trial_seed(settings, 0)}: {error}") from error
+        raise restated(error, inside=f"{where}{at}, seed {trial_seed(settings, 0)}") from error
     return settings, len(array)
 
 
@@ -225,14 +232,15 @@ def _array_of(text: str, folder: Path) -> Array:
 def _fixed(points: Tables, shift: list[float]) -> dict[str, Any]:
     for key in _RANDOM:
         if key in points:
-            raise SceneError(f"points.{key} is given beside positions: leave it out; shift moves all points")
+            cure = "leave it out; shift moves all points"
+            raise stated(f"points.{key}", "is given beside positions", cure, code="conflict")
     positions = points["positions"]
     if not isinstance(positions, list) or not positions or not all(_numbers(place, 3) for place in positions):
-        raise SceneError(f"points.positions is {short(positions)}: give a list of [x, y, z], in metres")
+        raise stated("points.positions", f"is {short(positions)}", "give a list of [x, y, z], in metres")
     for key in ("pressures", "weights"):
         if key in points and not _numbers(points[key], len(positions)):
-            raise SceneError(
-                f"points.{key} is {short(points[key])}: give {len(positions)} numbers, one a point"
+            raise stated(
+                f"points.{key}", f"is {short(points[key])}", f"give {len(positions)} numbers, one a point"
             )
     return {
         "count": len(positions),
@@ -245,12 +253,14 @@ def _fixed(points: Tables, shift: list[float]) -> dict[str, Any]:
 def _random(points: Tables, shift: list[float]) -> dict[str, Any]:
     for key in _FIXED:
         if key in points:
-            raise SceneError(f"points.{key} is given without positions: it goes with fixed points")
+            raise stated(
+                f"points.{key}", "is given without positions", "it goes with fixed points", code="conflict"
+            )
     region = [[end + by for end in _range(points, key)] for key, by in zip("xyz", shift, strict=True)]
     count = whole(points.get("count"), "points.count", least=1)
     if count * POINT > memory_limit():
         most = memory_limit() // POINT
-        raise SceneError(f"points.count is {count}: give at most {most} points, or raise MIDAIR_MEMORY")
+        raise stated("points.count", f"is {count}", f"give at most {most} points, or raise MIDAIR_MEMORY")
     return {"count": count, "region": region}
 
 
@@ -268,5 +278,7 @@ def _range(points: Tables, key: str) -> list[float]:
     ends: list[Any] = value if isinstance(value, list) else [value, value]
     if not _numbers(ends, 2) or ends[0] > ends[1]:
         cure = f"several go into an axis, points.{key} = [...] in [axes]" if isinstance(value, list) else ""
-        raise SceneError(f"points.{key} is {short(value)}: give a number or [low, high]{cure and '; '}{cure}")
+        raise stated(
+            f"points.{key}", f"is {short(value)}", f"give a number or [low, high]{cure and '; '}{cure}"
+        )
     return [float(end) for end in ends]

@@ -12,13 +12,25 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NoReturn
 
-from .._midair import Array, Scene, SceneError, placed, read_sweep, solve, solver_name, solvers, sweep_keys
+from .._midair import (
+    Array,
+    Scene,
+    SceneError,
+    placed,
+    read_sweep,
+    restated,
+    solve,
+    solver_name,
+    solvers,
+    stated,
+    sweep_keys,
+)
 from .._support.arguments import path_of
 from .._support.output import METRICS
 from .._support.text import content
 from .axes import Tables, plain, read_axes, short
 from .block import Settings
-from .problems import few, known, read_sets, reason, tables_of, whole
+from .problems import few, known, read_sets, tables_of, whole
 
 #: A sweep with more problems is rejected as a mistake.
 MOST = 10**9
@@ -66,15 +78,15 @@ def read(source: str | PathLike[str] | Mapping[str, Any], *, drives: bool = Fals
     try:
         return _read(tables, path, drives)
     except SceneError as error:
-        raise SceneError(placed(text, str(path), str(error))) from error
+        raise (placed(text, str(path), error) or error) from error
 
 
 def _read(given: Mapping[str, Any], path: Path | None, drives: bool) -> Request:
     try:
         tables = plain(given)
     except RecursionError as error:
-        raise SceneError(
-            "the sweep is nested too deep, or holds itself: give tables as a sweep file has them"
+        raise stated(
+            "the sweep", "is nested too deep, or holds itself", "give tables as a sweep file has them"
         ) from error
     known(tables, sweep_keys()[""], "sweep")
     seed = whole(tables.get("seed", 0), "seed")
@@ -82,14 +94,13 @@ def _read(given: Mapping[str, Any], path: Path | None, drives: bool) -> Request:
     axes = read_axes(tables)
     methods = [method for table in tables_of(tables, "solver") for method in _methods(table)]
     if not methods:
-        raise SceneError("solver is missing: give one or more [[solver]] with a name")
+        raise stated("solver", "is missing", "give one or more [[solver]] with a name", code="missing")
     common = {"seed": seed, "seeds": seeds, "drives": drives}
     sets, files = read_sets(tables, axes, path.parent if path else Path(), common)
     few(len(sets) * len(methods))
     if len(sets) * len(methods) * trials > MOST:
-        raise SceneError(
-            f"the sweep has {len(sets)} x {len(methods)} x {trials} problems: at most 10^9, shorten an axis"
-        )
+        cure = "at most 10^9, shorten an axis"
+        raise stated("the sweep", f"has {len(sets)} x {len(methods)} x {trials} problems", cure)
     options = list(dict.fromkeys(key for _, chosen in methods for key in chosen))
     for name, chosen in methods:
         _check_method(name, chosen)
@@ -104,7 +115,7 @@ def _read(given: Mapping[str, Any], path: Path | None, drives: bool) -> Request:
     requested = Request(blocks, (*sets[0][1], "solver", *options), [*([path] if path else []), *files])
     twice = [name for name, times in Counter(requested.columns).items() if times > 1]
     if twice:
-        raise SceneError(f'two columns of the table would be called "{twice[0]}": leave that option out')
+        raise stated("two columns", f'of the table would be called "{twice[0]}"', "leave that option out")
     return requested
 
 
@@ -112,7 +123,7 @@ def _trials(given: Any) -> tuple[int, list[int] | None]:
     """Return the number of trials, and their seeds if the request lists them."""
     if isinstance(given, list):
         if not given:
-            raise SceneError("seeds is empty: give a count or a list of seeds")
+            raise stated("seeds", "is empty", "give a count or a list of seeds", code="missing")
         return len(given), [whole(seed, f"seeds[{index}]") for index, seed in enumerate(given)]
     return whole(given, "seeds", least=1), None
 
@@ -121,7 +132,7 @@ def _methods(table: Tables) -> list[tuple[str, dict[str, Any]]]:
     """Return (solver, options) of a solver's table for each combination of lists in it."""
     name = table.pop("name", None)
     if not isinstance(name, str):
-        raise SceneError(f"solver.name is {short(name)}: give one of {', '.join(solvers())}")
+        raise stated("solver.name", f"is {short(name)}", f"give one of {', '.join(solvers())}")
     name = solver_name(name)
     options = ("balance", "aim", *solvers()[name].options)
     table = {spelt(key, options): value for key, value in table.items()}
@@ -131,7 +142,7 @@ def _methods(table: Tables) -> list[tuple[str, dict[str, Any]]]:
     axes = [value if isinstance(value, list) else [value] for value in table.values()]
     for key, values in zip(table, axes, strict=True):
         if not values:
-            raise SceneError(f"option {key} of {name} is an empty list: give a value or some")
+            raise stated(f"option {key}", f"of {name} is an empty list", "give a value or some")
     few(math.prod(map(len, axes)))
     return [(name, dict(zip(table, chosen, strict=True))) for chosen in product(*axes)]
 
@@ -149,8 +160,8 @@ def _refuse(name: str, option: str, value: Any) -> NoReturn:
     try:
         Scene.parse(json.dumps({"array": array, "points": [{"position": [0, 0, 1]}], "solver": solver}))
     except SceneError as error:
-        raise SceneError(reason(error)) from error
-    raise SceneError(f"{option} is no option of {name}: leave it out")
+        raise restated(error, place="") from error
+    raise stated(option, f"is no option of {name}", "leave it out")
 
 
 def _check_method(name: str, options: Mapping[str, Any]) -> None:

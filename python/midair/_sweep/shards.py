@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, Scene, SceneError, bound, judge, numbers, solvers
+from .._midair import Array, Scene, bound, judge, numbers, solvers, stated
 from .._support import output
-from .._support.arguments import callback, path_of, warn
+from .._support.arguments import callback, needs, path_of, refused, warn
 from .._support.kept import Arrays, locked, refusing
 from .._support.output import METRICS
 from .block import array_and_medium, solve_block, trial_seed
@@ -88,7 +88,7 @@ class Dataset:
         folder = path_of("folder", self.folder)
         object.__setattr__(self, "folder", folder)
         if not (folder / MANIFEST).is_file():
-            raise SceneError(f'"{folder}" is no data set, it has no {MANIFEST}: `midair dataset` makes one')
+            raise stated(f'"{folder}"', f"is no data set, it has no {MANIFEST}", "`midair dataset` makes one")
 
     @cached_property
     def manifest(self) -> dict[str, Any]:
@@ -110,7 +110,9 @@ class Dataset:
             starts = range(0, manifest["scenes"] // count, step)
             ends = [_end(number, start // step) for number in range(count) for start in starts]
         except (OSError, ValueError, LookupError, TypeError, ArithmeticError, RecursionError) as error:
-            raise SceneError(f'"{self.folder / MANIFEST}" is damaged: make the data set anew') from error
+            raise stated(
+                f'"{self.folder / MANIFEST}"', "is damaged", "make the data set anew", code="unreadable"
+            ) from error
         return manifest, array, ends
 
     def files(self, split: str = "train") -> list[Path]:
@@ -132,11 +134,11 @@ class Dataset:
             If `split` is neither "train" nor "held_out", and if a file is missing.
         """
         if split not in SPLITS:
-            raise SceneError(f'split is "{split}": give "train" or "held_out"')
+            raise refused("split", split, 'give "train" or "held_out"')
         files = [self.folder / f"{split}{end}" for end in self._described[2]]
         missing = next((file for file in files if not file.is_file()), None)
         if missing is not None:
-            raise SceneError(f'"{missing}" is missing: {AGAIN}')
+            raise stated(f'"{missing}"', "is missing", AGAIN, code="missing")
         return files
 
     def read(self, split: str = "train") -> Iterator[dict[str, NDArray[Any]]]:
@@ -160,7 +162,7 @@ class Dataset:
         for file in self.files(split):
             content = _arrays(file)
             if content is None:
-                raise SceneError(f'"{file}" is damaged: {AGAIN}')
+                raise stated(f'"{file}"', "is damaged", AGAIN, code="unreadable")
             yield content[0]
 
     def judge(self, drives: Any) -> dict[str, NDArray[np.float64]]:
@@ -249,7 +251,7 @@ def dataset(
     [(45, 400), (5, 400)]
     """
     if find_spec("pyarrow") is None:
-        raise SceneError('a data set needs pyarrow: pip install "midair[sweep]"')
+        raise needs("a data set", "pyarrow", "sweep")
     if threads is not None:
         whole(threads, "threads", least=1)
     callback(progress, "scenes done, scenes")
@@ -309,11 +311,11 @@ def _blocks(requested: Request, bounds: bool) -> list[Block]:
     }
     sizes = {block.columns["transducers"] for block in requested.blocks}
     if len(methods) > 1:
-        raise SceneError(f"the data set has {len(methods)} methods: give one [solver] without lists")
+        raise stated("the data set", f"has {len(methods)} methods", "give one [solver] without lists")
     if len(sizes) > 1:
-        raise SceneError(f"the data set has arrays of {sorted(sizes)} transducers: give arrays of one size")
+        raise stated("the data set", f"has arrays of {sorted(sizes)} transducers", "give arrays of one size")
     if any(block.settings.get("region") is None for block in requested.blocks):
-        raise SceneError("the data set has fixed points: give points.count and the ranges x, y and z")
+        raise stated("the data set", "has fixed points", "give points.count and the ranges x, y and z")
     made = []
     for block in requested.blocks:
         options = dict(block.settings["options"])
@@ -350,14 +352,14 @@ def _identity(job: Job) -> str:
 def _claim(folder: Path, manifest: dict[str, Any]) -> None:
     """Make the folder; rejects an existing one unless it has the same data set."""
     if folder.exists() and not folder.is_dir():
-        raise SceneError(f'"{folder}" is a file: give the name of a folder')
+        raise stated(f'"{folder}"', "is a file", "give the name of a folder")
     text = json.dumps(manifest, indent=1)
     if folder.is_dir() and any(folder.iterdir()):
         file = folder / MANIFEST
         if not file.is_file():
-            raise SceneError(f'"{folder}" holds other files: give an empty folder, or a new name')
+            raise stated(f'"{folder}"', "holds other files", "give an empty folder, or a new name")
         if file.read_text(encoding="utf-8") != text:
-            raise SceneError(f'"{folder}" holds another data set: give its request again, or a new name')
+            raise stated(f'"{folder}"', "holds another data set", "give its request again, or a new name")
         return
     with refusing(folder):
         folder.mkdir(parents=True, exist_ok=True)

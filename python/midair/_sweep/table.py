@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from .._midair import SceneError
+from .._midair import stated
 from .._support import kept, output
 from .._support.kept import Arrays, refusing
 from .._support.output import METRICS
@@ -86,26 +86,27 @@ def check(requested: Request, table: Path | None, drives: Path | None) -> Path |
 
 def _need(package: str, path: Path) -> None:
     if find_spec(package) is None:
-        raise SceneError(
-            f'"{path}" needs {package}: pip install "midair[sweep]", or give a .csv and no drives'
-        )
+        cure = 'pip install "midair[sweep]", or give a .csv and no drives'
+        raise stated(f'"{path}"', f"needs {package}", cure, code="missing")
 
 
 def _spare(files: Sequence[Path], drives: Path) -> None:
     """Reject a folder for drives that contains files of the sweep, even by links: the folder is replaced."""
     for file in files:
         if output.real(drives) in output.real(file).parents:
-            raise SceneError(f'drives "{drives}" would replace "{file}" in it: give another name')
+            raise stated(f'drives "{drives}"', f'would replace "{file}" in it', "give another name")
 
 
 def check_drives(path: Path) -> None:
     """Reject a folder for drives that cannot be made, or that exists and was not made by a sweep."""
     if path.suffix != ".zarr":
-        raise SceneError(f'drives "{path}" has another ending: give a name that ends in .zarr')
+        raise stated(f'drives "{path}"', "has another ending", "give a name that ends in .zarr")
     check_replaceable(path)
     folder = output.real(path).parent
     if not folder.is_dir() or not os.access(folder, os.W_OK):
-        raise SceneError(f'folder "{folder}" cannot be written: make it first, or choose another')
+        raise stated(
+            f'folder "{folder}"', "cannot be written", "make it first, or choose another", code="unwritable"
+        )
 
 
 def check_replaceable(path: Path) -> None:
@@ -119,9 +120,11 @@ def check_replaceable(path: Path) -> None:
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         ours, strange = False, set()
     if not ours:
-        raise SceneError(f'drives "{path}" is there and was made by no sweep: choose another name')
+        raise stated(f'drives "{path}"', "is there and was made by no sweep", "choose another name")
     if strange:
-        raise SceneError(f'drives "{path}" holds "{min(strange)}", which no sweep made: choose another name')
+        raise stated(
+            f'drives "{path}"', f'holds "{min(strange)}", which no sweep made', "choose another name"
+        )
 
 
 Columns = dict[str, list[Any]]

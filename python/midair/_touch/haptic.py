@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -14,7 +13,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._judging.exposure import Exposure, exposure, limit_of
-from .._midair import Array, Membrane, Plane, Scene, SceneError, SceneWarning, solve_batch, unknown
+from .._midair import (
+    Array,
+    Membrane,
+    Plane,
+    Scene,
+    SceneError,
+    SceneWarning,
+    restated,
+    solve_batch,
+    unknown_name,
+)
 from .._sequence import Sequence, sequence
 from .._sequence.arguments import time_constant
 from .._sequence.drives import lowered
@@ -187,7 +196,7 @@ def haptic(
         warn(f"beside is {reach:g} m, wider than a hand: give {reach * 1e-3:g} if mm are meant")
     for name in model.keys() - set(MODEL):
         known = ["rate", "aim", "change", "closed", "beside", "ears", "limit", *MODEL]
-        raise TypeError(unknown("argument of midair.haptic", name, known)[1])
+        raise TypeError(str(unknown_name("argument of midair.haptic", name, known)))
     sheet, _, tau = model_of(**model)
     time_constant(tau)
     curve = Curve.of(shape, closed)
@@ -252,7 +261,7 @@ def _check(scene: Scene, ears: Mapping[str, Any] | None, limit: str | float) -> 
     try:
         exposure(scene, np.zeros(len(scene.array), np.complex64), ears, limit=limit)
     except SceneError as error:
-        raise SceneError(re.sub("^places", "ears", str(error))) from None
+        raise restated(error, item=error.item.replace("places", "ears", 1)) from None
 
 
 def _spared(

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import REACH, SKIN, Membrane, Mesh, Plane, SceneError, Shifted
+from .._midair import REACH, SKIN, Membrane, Mesh, Plane, Shifted, stated
 from .._support.arguments import number, warn
 
 #: Mode of SuperLU for symmetric matrices, with pivots on the diagonal.
@@ -73,7 +73,7 @@ class Triangles:
             from scipy.sparse import csr_array, diags_array
             from scipy.sparse.linalg import splu
         except ImportError as error:
-            raise SceneError('skin of a Mesh needs SciPy: pip install "midair[mesh]"') from error
+            raise stated("skin", "of a Mesh needs SciPy", 'pip install "midair[mesh]"') from error
         corners = vertices[faces]
         cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         twice = np.linalg.norm(cross, axis=1)

@@ -18,7 +18,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import HIGHEST, Array, Membrane, Plane, Scene, SceneError, SceneWarning, solve_batch, threshold
+from .._midair import (
+    HIGHEST,
+    Array,
+    Membrane,
+    Plane,
+    Scene,
+    SceneError,
+    SceneWarning,
+    restated,
+    solve_batch,
+    threshold,
+)
 from .._support.arguments import flag, refused, vectors, warn
 from ..path import Path
 from .membrane import squares
@@ -230,7 +241,7 @@ class Curve:
                     scene = Scene(array, [place])
                 received = np.abs(scene.propagation()).max()
             except SceneError as error:
-                raise SceneError(str(error).replace("points[0]", item)) from None
+                raise restated(error, item=error.item.replace("points[0]", item)) from None
             if received == 0:
                 cure = "no transducer reaches it, give places in front of the array"
                 raise refused(item, place.tolist(), cure)

@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._midair import MOST_POINTS, Curve, SceneError, numbers
+from .._midair import MOST_POINTS, Curve, numbers, stated
 from .._support.arguments import flag, number, refused, vector, vectors, whole
 from ._path import Path
 from ._piece import Numbers, Piece, constant_pressures
@@ -286,17 +286,19 @@ def walk(
 def lasting(way: float, laps: float, *, speed: float | None, frequency: float | None) -> float:
     """Return the duration in s of `way` m, from a speed in m/s or a frequency in laps per second."""
     if not 0 < way < math.inf:
-        raise SceneError(f"the way is {way:g} m long: give a path of a finite length above 0")
+        raise stated("the way", f"is {way:g} m long", "give a path of a finite length above 0")
     if speed is not None and frequency is not None:
-        raise SceneError(
-            f"speed is {speed} and frequency is {frequency}: give one of them, leave out the other"
+        raise stated(
+            "speed", f"is {speed} and frequency is {frequency}", "give one of them, leave out the other"
         )
     if speed is not None:
         item, value, duration = "speed", speed, way / number("speed", speed, above=0)
     elif frequency is not None:
         item, value, duration = "frequency", frequency, laps / number("frequency", frequency, above=0)
     else:
-        raise SceneError("speed and frequency are left out: give speed in m/s, or frequency in Hz")
+        raise stated(
+            "speed and frequency", "are left out", "give speed in m/s, or frequency in Hz", code="missing"
+        )
     if not 0 < duration < math.inf:
         raise refused(item, value, f"the path would last {duration:g} s, give another")
     return duration

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import SceneError
+from .._midair import stated
 from .._support.arguments import shown
 from ._piece import ROUNDING, Numbers, Piece, mixed
 
@@ -74,7 +74,8 @@ def same_unit(first: Piece, second: Piece) -> None:
     """Raise SceneError if one path has targets in Pa and the other relative ones."""
     if first.pascals != second.pascals:
         which = "first" if first.pascals else "second"
-        raise SceneError(f"pressures are given for the {which} path only: give them for both or for neither")
+        cure = "give them for both or for neither"
+        raise stated("pressures", f"are given for the {which} path only", cure, code="conflict")
 
 
 def _together(first: Piece, second: Piece) -> float:
@@ -85,10 +86,9 @@ def _together(first: Piece, second: Piece) -> float:
     laps, others = ratio.denominator, ratio.numerator
     ends = laps * first.duration, others * second.duration
     if not 0 < others <= MOST_LAPS or abs(ends[0] - ends[1]) > ROUNDING * max(ends):
-        raise SceneError(
-            f"the paths last {first.duration:.6g} and {second.duration:.6g} s: give them one duration, or "
-            f"two closed ones durations in a ratio of whole numbers up to {MOST_LAPS}"
-        )
+        cure = f"two closed ones durations in a ratio of whole numbers up to {MOST_LAPS}"
+        words = f"last {first.duration:.6g} and {second.duration:.6g} s"
+        raise stated("the paths", words, f"give them one duration, or {cure}")
     return ends[0]
 
 
@@ -192,7 +192,7 @@ def then(first: Piece, second: Piece, fade: float | None) -> Piece:
         parts = [Part(part.piece, part.slots, np.concatenate([part.idle, new])) for part in parts]
     if not np.allclose(before, after, rtol=ROUNDING, atol=0):
         if fade is None:
-            raise SceneError(f"{_jump(end, begin, slots, goes_on)}: give a fade in s, such as fade=0.05")
+            raise stated("", f"{_jump(end, begin, slots, goes_on)}", "give a fade in s, such as fade=0.05")
         rest = Fade(
             points=points,
             duration=fade,

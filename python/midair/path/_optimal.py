@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._midair import Array, Bead, Scene, SceneError, rest, solve
+from .._midair import Array, Bead, Scene, rest, solve, stated
 from .._support.arguments import flag, number, refused, vectors
 from ._path import Path
 from ._piece import Numbers
@@ -172,7 +172,7 @@ def _smooth(points: Numbers, loop: bool) -> _Curve:
     corners = np.concatenate([points, points[:1]]) if loop else points
     chords = np.linalg.norm(np.diff(corners, axis=0), axis=1)
     if not (chords > 0).all():
-        raise SceneError(f"points[{int(chords.argmin()) + 1}] is where the one before is: leave it out")
+        raise stated(f"points[{int(chords.argmin()) + 1}]", "is where the one before is", "leave it out")
     second = _second(corners, chords, loop)
     fine = 2 * STEPS
     along = np.concatenate([[0], np.cumsum(chords)])
@@ -244,8 +244,8 @@ def _traps(scene: Scene, curve: _Curve, bead: Bead) -> _Traps:
         trap = rest(one, solve(one), **bead.keywords())
         if not trap.held[0]:
             where = ", ".join(f"{1e3 * x:.1f}" for x in place)
-            raise SceneError(
-                f"no trap holds the bead at ({where}) mm: move the curve to where traps are strong"
+            raise stated(
+                "no trap", f"holds the bead at ({where}) mm", "move the curve to where traps are strong"
             )
         found.append((trap.axes[0], trap.restoring[0].min(axis=1)))
     axes, most = (np.array(part) for part in zip(*found, strict=True))

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import SceneError, numbers
+from .._midair import numbers, stated
 from .._support.arguments import vectors
 
 #: Values at times (T,): speeds and targets (T, M), places (T, M, 3).
@@ -98,6 +98,6 @@ def point_sets(item: str, value: Any) -> Numbers:
         for index, frame in enumerate(frames):
             if len(frame) != len(frames[0]):
                 change = f"M changes from {len(frames[0])} to {len(frame)} at frame {index}"
-                raise SceneError(f"{change}: join paths with a fade, a.then(b, fade=)")
+                raise stated("", change, "join paths with a fade, a.then(b, fade=)")
         value = np.array(frames)
     return numbers(item, value, [(-2, -1, 3)], cure, most=FARTHEST)

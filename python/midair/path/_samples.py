@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._midair import Curve, SceneError, numbers
+from .._midair import Curve, numbers, stated
 from .._support.arguments import flag, number, refused, vectors
 from ..shape._vector_graphics import outlines
 from ._figures import lasting, walk
@@ -73,7 +73,7 @@ def svg(
     contours = outlines("path.svg", path, size, z)
     if len(contours) > 1:
         cure = "leave one in each drawing, and put paths together by & or .then(..., fade=)"
-        raise SceneError(f"the drawing has {len(contours)} outlines, of which a point walks one: {cure}")
+        raise stated("the drawing", f"has {len(contours)} outlines, of which a point walks one", cure)
     return walk(Curve.lines("outline", *contours[0]), speed=speed, frequency=frequency, pressures=pressures)
 
 
@@ -119,7 +119,9 @@ def read(path: Path | ArrayLike, rate: float, pressures: ArrayLike | None = None
     if isinstance(path, Path):
         points, targets = path.frames(rate)
         if pressures is not None and path.pascals:
-            raise SceneError("pressures are given with the path, too: give them in one place")
+            raise stated(
+                "pressures", "are given with the path, too", "give them in one place", code="conflict"
+            )
         if pressures is not None:
             targets = targets * changing_pressures(pressures, *targets.shape)
         plain = pressures is None and not path.pascals and bool((targets == 1).all())
@@ -241,16 +243,18 @@ def morph(
     [[[0.0, 0.0, 0.175]]]
     """
     if duration is not None and speed is not None:
-        raise SceneError(
-            f"duration is {duration} and speed is {speed}: give one of them, leave out the other"
+        raise stated(
+            "duration", f"is {duration} and speed is {speed}", "give one of them, leave out the other"
         )
     if duration is None and speed is None:
-        raise SceneError("duration and speed are left out: give duration in s, or speed in m/s")
+        raise stated(
+            "duration and speed", "are left out", "give duration in s, or speed in m/s", code="missing"
+        )
     ends = [_set(item, value) for item, value in (("from_points", from_points), ("to_points", to_points))]
     counts = [len(end) for end in ends]
     if counts[0] != counts[1]:
         reported = f"M changes from {counts[0]} to {counts[1]} between from_points and to_points"
-        raise SceneError(f"{reported}: give as many, or join paths with a fade, a.then(b, fade=)")
+        raise stated("", reported, "give as many, or join paths with a fade, a.then(b, fade=)")
     if pressures is not None:
         pressures = constant_pressures(pressures, counts[0])
     if duration is None:

@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element, iterparse
 import numpy as np
 
 from .._midair import MOST_POINTS, STEP, SceneError
-from .._support.arguments import existing, number, refused, shown
+from .._support.arguments import existing, needs, number, refused, shown
 from .._support.text import content
 from ._figures import Contour, Points, box, placed, points_along, ways
 
@@ -73,7 +73,7 @@ def outlines(caller: str, path: str | PathLike[str], size: float, z: float) -> l
     try:
         import svgelements
     except ImportError as error:
-        raise SceneError(f'{caller} needs svgelements: pip install "midair[shapes]"') from error
+        raise needs(caller, "svgelements", "shapes") from error
     try:
         source = str(path).encode() if written else content(name, empty=True)
         _check(name, source)

@@ -85,7 +85,7 @@ impl Studio {
         let (name, text) = self.named();
         let array = read_array(text, &name)?;
         if let Some(doubt) = array.doubts(array.medium(&[])?).first() {
-            return Err(Error::File { place: name, reason: doubt.to_string() });
+            return Err(Error::of(doubt.clone()).inside(name));
         }
         self.numbers = placed(&array);
         Ok(())

@@ -119,7 +119,7 @@ impl<'a> Trap<'a> {
         let (array, medium) = (model.array(), model.medium());
         check_drive(drive, array.len())?;
         if points.is_empty() {
-            return Err(Error::invalid("points", "empty", "give at least one point"));
+            return Err(Error::missing("points", "empty", "give at least one point"));
         }
         check_places(array.centre(), medium, "points", "", points)?;
         particle.check()?;

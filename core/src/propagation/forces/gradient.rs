@@ -94,7 +94,7 @@ pub fn gradient(
     let wanted = points.len() * quantity.width();
     one_each("cotangent", cotangent.len(), "numbers", wanted, "numbers of the value")?;
     if let Some(k) = cotangent.iter().position(|x| !x.is_finite()) {
-        return Err(Error::invalid(format!("cotangent[{k}]"), cotangent[k], "give finite numbers"));
+        return Err(Error::not_finite(format!("cotangent[{k}]"), cotangent[k]));
     }
     Pass::new(model, drive, points, quantity)?.run(points, Some(cotangent), control)
 }
@@ -149,10 +149,10 @@ impl<'a> Pass<'a> {
         let (array, medium) = (model.array(), model.medium());
         one_each("drive", drive.len(), "values", array.len(), "transducers")?;
         if let Some(i) = drive.iter().position(|q| !q.re.is_finite() || !q.im.is_finite()) {
-            return Err(Error::invalid(format!("drive[{i}]"), drive[i], "give finite numbers"));
+            return Err(Error::not_finite(format!("drive[{i}]"), drive[i]));
         }
         if points.is_empty() {
-            return Err(Error::invalid("points", "empty", "give at least one point"));
+            return Err(Error::missing("points", "empty", "give at least one point"));
         }
         check_places(array.centre(), medium, "points", "", points)?;
         quantity.particle().map_or(Ok(()), |particle| particle.check())?;

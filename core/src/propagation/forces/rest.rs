@@ -164,7 +164,7 @@ impl Follow<'_> {
                 let net = [0, 1, 2].map(|axis| force[axis] + self.weight[axis]);
                 Ok(Some((potential - dot(self.weight, place), net, hessian)))
             }
-            Err(Error::Stopped) => Err(Error::Stopped),
+            Err(error) if error.is_stop() => Err(error),
             Err(_) => Ok(None),
         }
     }

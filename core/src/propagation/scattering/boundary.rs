@@ -147,7 +147,7 @@ impl Boundary {
                 control.pulse()
             })?;
             if control.step(((step + 1) * threads).min(steps), steps, || 0.0).is_break() {
-                return Err(Error::Stopped);
+                return Err(Error::stopped());
             }
         }
         Ok(matrix)
@@ -224,10 +224,10 @@ impl Boundary {
         let wanted = self.elements.len() * self.transducers();
         if sound.len() != wanted {
             let cure = format!("give {wanted}, one for each of {} elements and transducer", self.elements.len());
-            return Err(Error::invalid("sound", format!("{} numbers", sound.len()), cure));
+            return Err(Error::shape("sound", format!("{} numbers", sound.len()), cure));
         }
         if let Some(k) = sound.iter().position(|u| !(u.re.is_finite() && u.im.is_finite())) {
-            return Err(Error::invalid(format!("sound[{k}]"), sound[k], "give finite numbers"));
+            return Err(Error::not_finite(format!("sound[{k}]"), sound[k]));
         }
         Ok(())
     }

@@ -94,7 +94,7 @@ pub(super) fn climb<'w>(run: &mut Run<'_, '_, 'w>, pace: Pace, wave: &mut Wave<'
             Err(error) => Err(error),
         };
         let (cholesky, rise) = match factor {
-            Err(Error::Stopped) => {
+            Err(error) if error.is_stop() => {
                 run.stopped = true;
                 break;
             }

@@ -135,7 +135,7 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut W
         let renewed = if renew { newton.update(rows, wave, None, run.control) } else { Ok(()) };
         let tried = match renewed.and_then(|()| newton.step(rows, wave, level, damping, &mut trial, run.control)) {
             // A step that a stop interrupts does not count.
-            Err(Error::Stopped) => {
+            Err(error) if error.is_stop() => {
                 run.stopped = true;
                 break;
             }

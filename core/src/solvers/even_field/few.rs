@@ -31,7 +31,7 @@ pub(super) fn start<'w>(run: &mut Run<'_, '_, 'w>) -> Result<Option<Starts<'w>>,
     // The planes contain conj(G), so the found phases are the negatives of the wanted ones.
     let planes = planes.each_ref().map(|plane| &plane[..]);
     let found = match optimum::search(rows.set, planes, rows.targeted, EFFORT, work, run.control) {
-        Err(Error::Stopped) => {
+        Err(error) if error.is_stop() => {
             run.stopped = true;
             return Ok(None);
         }

@@ -85,7 +85,7 @@ pub(super) fn raise<'w>(run: &mut Run<'_, '_, 'w>, parts: Range<usize>, wave: &m
             };
             let step = derived.and_then(|()| direction(&mut newton, rows, wave, (rho, tau), &metric.roots, run));
             let found = match step {
-                Err(Error::Stopped) => {
+                Err(error) if error.is_stop() => {
                     run.stopped = true;
                     return Ok(());
                 }

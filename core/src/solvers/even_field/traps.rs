@@ -180,7 +180,7 @@ pub(super) fn rows<'w>(
 /// More memory than allowed is needed.
 pub(super) fn stiffen(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     match if run.stopped { Ok(false) } else { descend(run, foci) } {
-        Err(Error::Stopped) => {
+        Err(error) if error.is_stop() => {
             run.stopped = true;
             Ok(false)
         }

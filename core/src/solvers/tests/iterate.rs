@@ -36,7 +36,7 @@ fn steps_end_at_the_tolerance_a_stop_or_their_number() {
 fn a_stop_noticed_within_a_step_takes_that_step_back() {
     let step = |count: &mut usize, _: &mut Control| {
         *count += 1;
-        if *count == 3 { Err(Error::Stopped) } else { Ok(false) }
+        if *count == 3 { Err(Error::stopped()) } else { Ok(false) }
     };
     let ended = iterate((5, 0.0), &mut 0, &mut Control::none(), step, |_| 0.0);
     assert_eq!(ended, Ok((Status::Stopped, 2)));
