@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .._midair import Codec, numbers, nearest
+from .._midair import Codec, nearest, numbers
 from .._support.arguments import is_array, number, refused, word
 from .board import Board
 from .errors import BoardError
