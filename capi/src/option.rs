@@ -152,7 +152,8 @@ fn with_own_names(mut error: Error) -> Error {
     let own = Medium::KEYS.iter().map(|key| key.name).chain(Array::PARTS.iter().map(|part| part.name));
     let names: Vec<&str> = own.chain(laws.iter().chain(&beads).map(String::as_str)).chain(["balance", "aim"]).collect();
     if error.hint.is_empty() {
-        error.hint = Error::unknown("", &*error.value, names.iter().copied()).hint.clone();
+        let hinted = Error::unknown("", &*error.value, names.iter().copied());
+        error.hint.clone_from(&hinted.hint);
     }
     error.cure = format!("{}, {}", error.cure, names.join(", "));
     error

@@ -252,7 +252,7 @@ pub(crate) fn field<'py>(
         && !inner.is_shown(plane)
     {
         let better = inner.planes_around()[0].rounded();
-        warn(py, &format!("no point lies in {plane}: leave it out, or give one through the points, {better}"))?;
+        warn(py, format!("no point lies in {plane}: leave it out, or give one through the points, {better}"))?;
     }
     let doubt = match places.first() {
         Some(Places::Points(points)) => inner.doubt_places(points, |k| format!("field points[{k}]")),

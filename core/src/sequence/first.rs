@@ -21,7 +21,7 @@ pub(super) fn guess(frames: &Frames, closed: bool, control: &mut Control) -> Res
     let (count, points) = (frames.count, frames.points);
     let mut field = [vec![0.0; frames.lanes()], vec![0.0; frames.lanes()]];
     // This setup has no channels: each column of G counts as one transducer, also if it is a channel.
-    let setup = Setup { channels: None, ..Setup::of_model(&frames.model) };
+    let setup = Setup { channels: None, ..Setup::of_model(frames.model) };
     let setup = Arc::new(setup);
     let mut work = Workspace::new();
     let mut last: Option<Vec<Complex32>> = None;

@@ -181,7 +181,9 @@ impl Session {
         let workers = &mut self.workers[..threads];
         let mut pressures = vec![Complex32::ZERO; count * points];
         let mut outcomes = vec![Outcome::default(); count];
-        workers.iter_mut().for_each(|worker| worker.tally = Tally::default());
+        for worker in &mut *workers {
+            worker.tally = Tally::default();
+        }
         let mut done = 0;
         while done < count {
             let end = count.min(done + share * threads);
@@ -205,7 +207,9 @@ impl Session {
             }
         }
         let mut tally = Tally::default();
-        workers.iter().for_each(|worker| tally.merge(&worker.tally));
+        for worker in &*workers {
+            tally.merge(&worker.tally);
+        }
         Ok(Batch::of(pressures, &outcomes, &tally))
     }
 

@@ -1,8 +1,8 @@
 //! Tests of tables that a binding draws: each is passed to the binding once, the points are joined in order, and errors have
 //! their place.
 
-use midair::Request;
 use midair::files::{Drawing, Format, Source, read, read_drawn, references};
+use midair::{Error, Request};
 
 const SCENE: &str = r#"
 [array]
@@ -66,7 +66,7 @@ fn files_of_drawn_tables_belong_to_the_scene() {
 }
 
 /// Returns the error of a document when the drawing function returns `answer`.
-fn reported(text: &str, format: Format, answer: &Result<Drawing, String>) -> String {
+fn reported(text: &str, format: Format, answer: &Result<Drawing, Error>) -> String {
     let error = read_drawn(text.as_bytes(), format, SOURCE, &mut |_, _| answer.clone()).expect_err(text).to_string();
     assert!(!error.contains('\n'), "{error}");
     error
@@ -74,19 +74,19 @@ fn reported(text: &str, format: Format, answer: &Result<Drawing, String>) -> Str
 
 #[test]
 fn a_refusal_is_reported_with_the_place_of_its_key() {
-    let refusal = |text: &str| Err(text.to_owned());
+    let refusal = |[item, value, cure]: [&str; 3]| Err(Error::invalid(item, value, cure));
     for (answer, begin) in [
         (
-            "height is -1: give more",
+            ["height", "-1", "give more"],
             ", line 15, column 10: shape[0].height is -1: give more; for example height = 0.03",
         ),
-        ("step is left out: give one", ", line 13, column 1: shape[0].step is left out: give one"),
+        (["step", "left out", "give one"], ", line 13, column 1: shape[0].step is left out: give one"),
         (
-            "svgelements: there is none",
+            ["svgelements", "missing", "install it"],
             ", line 13, column 1: shape[0] is a table of kind, height, string, z: svgelements",
         ),
         (
-            "it is late: come back",
+            ["it", "late", "come back"],
             ", line 13, column 1: shape[0] is a table of kind, height, string, z: it is late: come",
         ),
     ] {
@@ -94,7 +94,7 @@ fn a_refusal_is_reported_with_the_place_of_its_key() {
         assert!(error.starts_with(&format!("drawn.toml{begin}")), "{error}");
     }
     let single = r#"{"array": {"preset": "paper20"}, "image": {"pixels": 0, "size": null}}"#;
-    let error = reported(single, Format::Json, &refusal("pixels is 0: give more"));
+    let error = reported(single, Format::Json, &refusal(["pixels", "0", "give more"]));
     assert_eq!(error, "drawn.toml, line 1, column 54: image.pixels is 0: give more; for example \"pixels\": 18");
 }
 
