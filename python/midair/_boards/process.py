@@ -20,7 +20,7 @@ from typing import Any
 
 from . import wire
 from .errors import KINDS, BoardError, BoardLost, BoardTimeout
-from .transport import SIMULATED, before_what_computes, open_transport
+from .transport import SIMULATED, before_what_computes, open_transport, transport_class
 from .watcher import Stops
 from .wire import Kind
 
@@ -89,7 +89,13 @@ class GuardProcess:
         path = [os.path.abspath(entry) for entry in sys.path]
         setting = json.dumps({"path": path, "transport": transport, "hold": hold})
         try:
-            self.answer(self.ask(Kind.OPEN, setting.encode()), OPENING)
+            opened = self.ask(Kind.OPEN, setting.encode())
+            if transport["kind"] not in SIMULATED:
+                # The import takes a tenth of a second on a busy computer, too long once the guard is dead.
+                # What it cannot import, the guard reports.
+                with suppress(Exception):
+                    transport_class(transport["kind"])
+            self.answer(opened, OPENING)
         except BaseException:
             # If the caller is interrupted, do not wait until the device is open.
             self._process.terminate()
