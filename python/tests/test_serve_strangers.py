@@ -186,17 +186,24 @@ def test_datagrams_without_the_token_are_cheap_and_silent(served: Served) -> Non
 
 def test_bundles_are_read_as_far_as_they_are_whole() -> None:
     key, other = message("points", "key", 1.0), message("points", "other", 1.0)
-    assert osc.Datagram(bundle(key, bundle(other, key)), "key").messages == [key, key]
-    assert osc.Datagram(nested(key, osc.MOST_NESTED), "key").messages == [key]
-    assert osc.Datagram(nested(key, osc.MOST_NESTED + 1), "key").messages == []
+    assert osc.messages(bundle(key, bundle(other, key, tag=7))) == [(key, 1), (other, 7), (key, 7)]
+    assert [osc.first(each) for each in (key, other, b"", b"/a", b"/a\0\0,s", b"/\xff\0\0,f\0\0")] == [
+        b"key",
+        b"other",
+        *[b""] * 4,
+    ]
+    assert osc.messages(nested(key, osc.MOST_NESTED)) == [(key, 1)]
+    damaged = [b"#bundle\0" + bytes(4), bundle(key)[:-1], nested(key, osc.MOST_NESTED + 1)]
     # Deeper than a datagram can be.
-    assert osc.Datagram(nested(key, 10_000), "key").messages == []
-    assert osc.Datagram(bundle(key)[:-1], "key").messages == []
+    damaged.append(nested(key, 10_000))
     for size in (-(2**31), -4, -1, 0, 2**31 - 1):
-        damaged = bundle(key) + struct.pack(">i", size) + b"aaaa"
-        assert osc.Datagram(damaged, "key").messages == []
+        damaged.append(bundle(key) + struct.pack(">i", size) + b"aaaa")
+    for datagram in damaged:
+        with pytest.raises((ValueError, struct.error)):
+            osc.messages(datagram)
     for datagram in DATAGRAMS:
-        assert osc.Datagram(datagram, "key").messages == []
+        with suppress(ValueError, struct.error):
+            assert all(osc.first(each) != b"key" for each, _ in osc.messages(datagram))
 
 
 @pytest.mark.slow

@@ -16,6 +16,7 @@ import sys
 import threading
 import time
 from collections import deque
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from queue import Empty, SimpleQueue
@@ -50,34 +51,23 @@ class Waiting:
     frame: bytes
 
 
-class Off:
-    """State of a device that is off. Subclasses are the other states."""
+@dataclass(frozen=True)
+class State:
+    """What a device does: it is off, lost, or plays frames since a time, in a loop at `rate` a second."""
 
-    name = "off"
+    name: str
+    frames: Sequence[bytes] = ()
+    since: float = 0.0
+    rate: float = 1.0
 
     def frame(self) -> bytes:
         """Return the frame that plays now, empty if none does."""
-        return b""
+        played = int((time.monotonic() - self.since) * self.rate)
+        return self.frames[played % len(self.frames)] if self.frames else b""
 
 
-class Lost(Off):
-    """State of a device that is gone, until it plays again."""
-
-    name = "lost"
-
-
-class Playing(Off):
-    """State of a device that plays frames since now, in a loop at `rate` frames per second."""
-
-    name = "playing"
-
-    def __init__(self, frames: list[bytes], rate: float = 1.0) -> None:
-        self._frames, self._rate = frames, rate
-        self._since = time.monotonic()
-
-    def frame(self) -> bytes:
-        """Return the frame that plays now. In an upload, the elapsed time gives it."""
-        return self._frames[int((time.monotonic() - self._since) * self._rate) % len(self._frames)]
+#: A device that is lost stays so until it plays again.
+OFF, LOST = State("off"), State("lost")
 
 
 class Owner:
@@ -145,7 +135,7 @@ class Guard:
         self._replies = replies
         self._put_by: list[Message] = []
         self._waiting: deque[Waiting] = deque()
-        self._state = Off()
+        self._state = OFF
         self._wave: float | bytes | None = None
         self._counts = {"frames": 0, "late": 0, "lapses": 0}
         self._until = math.inf
@@ -166,7 +156,7 @@ class Guard:
             if self._waiting and self._waiting[0].due <= time.monotonic():
                 self._play_next()
             silent = self._owner.is_silent(look=not came)
-            if isinstance(self._state, Playing):
+            if self._state.frames:
                 now = time.monotonic()
                 if silent:
                     self._counts["lapses"] += 1
@@ -202,7 +192,7 @@ class Guard:
     def _pause(self) -> float:
         """Return the time in s to wait for a message: until the next frame or check, or until `hold` ends."""
         due = self._waiting[0].due - time.monotonic() if self._waiting else math.inf
-        return max(0.0, min(TICK, due, self._owner.left() if isinstance(self._state, Playing) else math.inf))
+        return max(0.0, min(TICK, due, self._owner.left() if self._state.frames else math.inf))
 
     def _serve(self, kind: Kind, number: int, content: bytes) -> None:
         if kind == Kind.PLAY:
@@ -227,7 +217,7 @@ class Guard:
 
     def _attempt(self, number: int, act: Any, *arguments: Any) -> None:
         """Call the device and answer with the result. Number 0 marks the guard's own calls: no answer."""
-        lost = isinstance(self._state, Lost)
+        lost = self._state is LOST
         try:
             act(*arguments)
         except BoardError as error:
@@ -248,7 +238,7 @@ class Guard:
             else:
                 self._put_by.append(message)
         failed, self._waiting = self._waiting, deque()
-        self._state = Lost() if lost else Off()
+        self._state = LOST if lost else OFF
         for each in (number, *(other.number for other in failed)):
             self._replies.send(Kind.FAILED, each, self.status(**reported))
         with suppress(Exception):
@@ -263,19 +253,20 @@ class Guard:
         elif first.late == Late.ERROR and now > first.latest:
             self._counts["late"] += 1
             late = BoardTimeout(wire.LATE.format(1e3 * (now - first.due)))
-            self._fail(first.number, late, lost=isinstance(self._state, Lost))
+            self._fail(first.number, late, lost=self._state is LOST)
         else:
             self._attempt(first.number, self._play, first.frame)
 
     def _play(self, frame: bytes) -> None:
         # The state changes first, because the device may play the frame even if the link then fails.
-        self._state = Playing([frame])
+        self._state = State("playing", [frame])
         self._transport.play(frame)
         self._counts["frames"] += 1
 
     def _upload(self, frames: bytes, count: int, rate: float) -> None:
         length = len(frames) // count
-        self._state = Playing([frames[k : k + length] for k in range(0, len(frames), length)], rate)
+        parts = [frames[k : k + length] for k in range(0, len(frames), length)]
+        self._state = State("playing", parts, time.monotonic(), rate)
         self._transport.upload(frames, count, rate)
         self._counts["frames"] += count
 
@@ -286,8 +277,8 @@ class Guard:
     def _off(self) -> None:
         """Turn everything off; drop waiting frames."""
         dropped, self._waiting = self._waiting, deque()
-        if isinstance(self._state, Playing):
-            self._state = Off()
+        if self._state.frames:
+            self._state = OFF
         try:
             self._transport.silence()
         finally:
@@ -296,7 +287,7 @@ class Guard:
 
     def status(self, **more: str) -> bytes:
         """Return the status for the owner, as JSON."""
-        modulates = isinstance(self._state, Playing) and self._wave is not None
+        modulates = self._state.frames and self._wave is not None
         state = "modulating" if modulates else self._state.name
         return json.dumps({"state": state, **self._counts, **more}).encode()
 

@@ -6,45 +6,25 @@ import asyncio
 import math
 import time
 from contextlib import suppress
+from dataclasses import dataclass, field
 from typing import Any
 
 from websockets.asyncio.connection import broadcast
 from websockets.asyncio.server import ServerConnection
 
-#: Largest number of clients with the token, and of strangers without; bytes of a stranger's request.
-MOST_CLIENTS, MOST_STRANGERS, MOST_REQUEST = 64, 64, 1 << 14
+#: Largest number of clients, and of strangers. The library bounds a stranger's request: 128 lines of 8 kB.
+MOST_CLIENTS, MOST_STRANGERS = 64, 64
 
 #: Largest number of messages in a second, and of bytes that a client leaves unread.
 MOST_RATE, MOST_UNREAD = 4000, 1 << 20
 
 
+@dataclass
 class Crowd:
     """The open connections: strangers, the oldest first, and clients, which have shown the token."""
 
-    def __init__(self) -> None:
-        self.strangers: dict[Client, None] = {}
-        self.clients: set[Client] = set()
-
-    def enter(self, client: Client) -> None:
-        """Add a stranger; end the connection of the oldest one if there are too many."""
-        self.strangers[client] = None
-        if len(self.strangers) > MOST_STRANGERS:
-            oldest = next(iter(self.strangers))
-            del self.strangers[oldest]
-            oldest.transport.abort()
-
-    def admit(self, client: Client) -> bool:
-        """Make a stranger a client; return False if there are too many clients."""
-        if len(self.clients) >= MOST_CLIENTS:
-            return False
-        self.strangers.pop(client, None)
-        self.clients.add(client)
-        return True
-
-    def leave(self, client: Client) -> None:
-        """Forget a connection that is closed."""
-        self.strangers.pop(client, None)
-        self.clients.discard(client)
+    strangers: dict[Client, None] = field(default_factory=dict)
+    clients: set[Client] = field(default_factory=set)
 
 
 class Client(ServerConnection):
@@ -59,30 +39,38 @@ class Client(ServerConnection):
     def __init__(self, crowd: Crowd, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
         self._crowd = crowd
-        self._request = 0
         self._room = float(MOST_RATE)
         self.arrived = -math.inf
 
+    def admit(self) -> bool:
+        """Make this stranger a client; return False if there are too many clients."""
+        if len(self._crowd.clients) >= MOST_CLIENTS:
+            return False
+        self._crowd.strangers.pop(self, None)
+        self._crowd.clients.add(self)
+        return True
+
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Join the crowd."""
+        """Join the strangers; end the connection of the oldest one if there are too many."""
         super().connection_made(transport)
-        self._crowd.enter(self)
+        strangers = self._crowd.strangers
+        strangers[self] = None
+        if len(strangers) > MOST_STRANGERS:
+            oldest = next(iter(strangers))
+            del strangers[oldest]
+            oldest.transport.abort()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Leave the crowd."""
-        self._crowd.leave(self)
+        self._crowd.strangers.pop(self, None)
+        self._crowd.clients.discard(self)
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
-        """Note the time; end the connection of a stranger whose request is too long."""
+        """Note the time."""
         now = time.monotonic()
         self._room = min(MOST_RATE, self._room + MOST_RATE * (now - self.arrived))
         self.arrived = now
-        if self not in self._crowd.clients:
-            self._request += len(data)
-            if self._request > MOST_REQUEST:
-                self.transport.abort()
-                return
         super().data_received(data)
 
     def counts(self) -> bool:
