@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._midair import Array, Scene, SceneError, Solution
+from ._midair import Array, Scene, Solution
 from ._support import slips
+from ._support.arguments import needs
 from .grad import NAMES, run
 
 if TYPE_CHECKING:
@@ -81,10 +82,8 @@ def field(
     >>> midair.jax.field(array, jax.numpy.ones(400), [[0.0, 0.0, 0.15]]).shape
     (1,)
     """
-    try:
+    with needs("midair.jax needs JAX", "jax"):
         import jax
-    except ImportError as error:
-        raise SceneError('midair.jax needs JAX: pip install "midair[jax]"') from error
     values = (drive, points, positions, normals, sound_speed)
     named = {name: value for name, value in zip(NAMES, values, strict=True) if value is not None}
     given = {name: 1.0 * jax.numpy.asarray(value) for name, value in named.items()}

@@ -90,11 +90,10 @@ class GuardProcess:
         setting = json.dumps({"path": path, "transport": transport, "hold": hold})
         try:
             opened = self.ask(Kind.OPEN, setting.encode())
-            if transport["kind"] not in SIMULATED:
-                # The import takes a tenth of a second on a busy computer, too long once the guard is dead.
-                # What it cannot import, the guard reports.
-                with suppress(Exception):
-                    transport_class(transport["kind"])
+            # Once the guard is dead, this import would take too long on a busy computer. The guard reports
+            # what cannot be imported.
+            with suppress(Exception):
+                transport_class(transport["kind"])
             self.answer(opened, OPENING)
         except BaseException:
             # If the caller is interrupted, do not wait until the device is open.

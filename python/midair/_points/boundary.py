@@ -21,6 +21,7 @@ from rich.progress import BarColumn, Progress, TextColumn
 
 from .._midair import Boundary, SceneError
 from .._support import kept
+from .._support.arguments import needs
 from .._support.ctrl_c import interruptibly
 
 #: A solve with at least this number of elements shows a progress bar.
@@ -78,10 +79,8 @@ def sound(boundary: Boundary) -> NDArray[np.complex64]:
 
 def lapack() -> Any:
     """Return SciPy's linear algebra module."""
-    try:
+    with needs("a Mesh needs SciPy", "mesh"):
         from scipy import linalg
-    except ImportError as error:
-        raise SceneError('a Mesh needs SciPy: pip install "midair[mesh]"') from error
     return linalg
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import SceneError, memory_limit
-from .._support.arguments import number, path_of, refused, vector, word
+from .._support.arguments import needs, number, path_of, refused, vector, word
 from ..shape import svg, text
 from ..shape._figures import Points
 from .image import image
@@ -80,10 +80,8 @@ def _formats(wrong: str) -> str:
 
 def library() -> Any:
     """Return the package trimesh."""
-    try:
+    with needs("Mesh.from_file needs trimesh", "mesh"):
         import trimesh
-    except ImportError as error:
-        raise SceneError('Mesh.from_file needs trimesh: pip install "midair[mesh]"') from error
     return trimesh
 
 

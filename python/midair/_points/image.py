@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import MOST_POINTS, STEP, SceneError, memory_limit
-from .._support.arguments import existing, flag, number, refused, whole
+from .._support.arguments import existing, flag, needs, number, refused, whole
 from .._support.text import content
 
 #: Formats that are read, whatever the file's ending. For others, such as .eps, Pillow starts programs
@@ -139,10 +139,8 @@ def image(
 def _brightness(path: str | PathLike[str], pixels: int) -> NDArray[np.float64]:
     """Return the brightness, 0 to 1, of squares (rows, columns), with `pixels` squares on the longer side."""
     file = existing("path", path, "give a picture such as a .png")
-    try:
+    with needs("image needs Pillow", "shapes"):
         from PIL import Image, ImageOps
-    except ImportError as error:
-        raise SceneError('image needs Pillow: pip install "midair[shapes]"') from error
     try:
         with Image.open(BytesIO(content(file)), formats=FORMATS) as opened:
             longer = max(opened.size)

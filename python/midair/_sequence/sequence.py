@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._midair import Plane, SceneError
-from .._support.arguments import path_of
+from .._support.arguments import needs, path_of
 from .._support.slips import Later
 from . import files
 from .animation import animate
@@ -213,10 +213,8 @@ class Sequence(JudgedFrames):
 
 def dataset(sequence: JudgedFrames) -> Dataset:
     """Return points, targets, |p|, changes and drives as a dataset over time, point and transducer."""
-    try:
+    with needs("to_xarray needs xarray", "motion"):
         import xarray
-    except ImportError as error:
-        raise SceneError('to_xarray needs xarray: pip install "midair[motion]"') from error
     board = {} if sequence.codes is None else {"phases": (sequence.quantization or {})["phases"]}
     drives = ("drives", sequence.drives, {}) if sequence.codes is None else ("codes", sequence.codes, board)
     variables: dict[str, tuple[tuple[str, ...], Any, dict[str, Any]]] = {

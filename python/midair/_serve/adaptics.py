@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from .._boards.errors import BoardError
-from .._midair import SceneError
-from .._support.arguments import flag, json_object, number, real, refused, word
+from .._midair import SceneError, numbers
+from .._support.arguments import flag, json_object, number, refused, word
 from .client import Client
 from .live import Frame, Live, Wanted
 from .tacton import Matrix, Moment, Tacton, Touch
@@ -66,9 +66,10 @@ class Player:
         if not isinstance(given, dict) or not isinstance(given.get("user_parameters"), dict):
             raise refused("evaluator_params", given, "give time, user_parameters and geometric_transform")
         values = {name: number(name, value) for name, value in given["user_parameters"].items()}
-        matrix = _matrix(given.get("geometric_transform"))
+        cure = "give 4 rows of 4 numbers"
+        matrix = numbers("geometric_transform", given.get("geometric_transform"), [(4, 4)], cure)
         self._time = number("time", given.get("time"))
-        self._values, self._matrix = values, matrix
+        self._values, self._matrix = values, matrix.tolist()
 
     def _start(self, data: dict[str, Any], page: Page, at: float) -> None:
         start, offset = (number(key, data.get(key)) for key in ("playstart", "playstart_offset"))
@@ -180,15 +181,6 @@ def _evaluated(touch: Touch) -> dict[str, Any]:
     moment = {"last_eval_pattern_time": touch.moment.pattern, "time_offset": touch.moment.ahead}
     played = {"pattern_time": touch.moment.pattern, "stop": touch.stop}
     return {"ul_control_point": control, **played, "next_eval_params": moment}
-
-
-def _matrix(given: Any) -> Matrix:
-    cure = "give 4 rows of 4 numbers"
-    matrix = real("geometric_transform", given, cure)
-    if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
-        raise refused("geometric_transform", given, cure)
-    rows: Matrix = matrix.tolist()
-    return rows
 
 
 def _palm(hand: Any) -> tuple[float, float, float]:

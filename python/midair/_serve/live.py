@@ -200,7 +200,10 @@ class Live:
     def _end(self, lost: Exception | None = None) -> None:
         with self.life() as life, suppress(InvalidStateError):
             life.off()
-            self._over.set_exception(lost) if lost else self._over.set_result(None)
+            if lost is None:
+                self._over.set_result(None)
+            else:
+                self._over.set_exception(lost)
 
     def _left(self) -> float:
         """Return the time in s for which the points may play without another sign of life; 0: off."""

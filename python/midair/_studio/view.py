@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Plane, Scene, SceneError, Solution
+from .._midair import Plane, Scene, Solution
+from .._support.arguments import needs
 from .page import BUILT, file, scene_text
 
 if TYPE_CHECKING:
@@ -57,10 +58,8 @@ class View:
     """
 
     def __init__(self, text: str, folder: Path = BUILT) -> None:
-        try:
+        with needs("view needs anywidget", "notebook"):
             from .widget import Widget
-        except ImportError as error:
-            raise SceneError('view needs anywidget: pip install "midair[notebook]"') from error
         self._widget = Widget(
             _esm=file("widget.mjs", folder).read_text(encoding="utf-8"),
             wasm=file("midair.wasm", folder).read_bytes(),

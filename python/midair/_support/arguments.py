@@ -8,6 +8,8 @@ import os
 import reprlib
 import sys
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from types import FrameType
@@ -126,6 +128,15 @@ def json_object(item: str, text: str | bytes, cure: str) -> dict[str, Any]:
     if not isinstance(found, dict):
         raise SceneError(f"{item} is no JSON object: {cure}")
     return found
+
+
+@contextmanager
+def needs(what: str, extra: str, kind: type[Exception] = SceneError) -> Iterator[None]:
+    """Name the extra of midair that installs what the block imports, if it is missing."""
+    try:
+        yield
+    except ImportError as error:
+        raise kind(f'{what}: pip install "midair[{extra}]"') from error
 
 
 def callback(value: Any, arguments: str) -> None:

@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 from .. import _midair
 from .._midair import SceneError, SceneWarning
 from .._support import kept
+from .._support.arguments import needs
 from .._support.ctrl_c import interruptible
 from .._support.kept import Arrays
 
@@ -40,10 +41,8 @@ _NOISY = ("distributed", "distributed.client", "tornado", "tornado.application")
 @contextmanager
 def workers(scheduler: str) -> Iterator[tuple[Executor, int]]:
     """Yield the cluster as an executor, and how many jobs it runs at the same time."""
-    try:
+    with needs("a scheduler needs Dask", "cluster"):
         from distributed import KilledWorker
-    except ImportError as error:
-        raise SceneError('a scheduler needs Dask: pip install "midair[cluster]"') from error
     with _quiet(), _connected(scheduler) as client:
         try:
             # If a worker is lost, Dask gives its jobs to another one.

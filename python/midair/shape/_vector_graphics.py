@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element, iterparse
 import numpy as np
 
 from .._midair import MOST_POINTS, STEP, SceneError
-from .._support.arguments import existing, number, refused, shown
+from .._support.arguments import existing, needs, number, refused, shown
 from .._support.text import content
 from ._figures import Contour, Points, box, placed, points_along, ways
 
@@ -70,10 +70,8 @@ def outlines(caller: str, path: str | PathLike[str], size: float, z: float) -> l
     size, z = number("size", size, above=0), number("z", z)
     written = isinstance(path, str) and path.lstrip().startswith("<")
     name = Path("SVG text") if written else existing("path", path, "give an SVG file")
-    try:
+    with needs(f"{caller} needs svgelements", "shapes"):
         import svgelements
-    except ImportError as error:
-        raise SceneError(f'{caller} needs svgelements: pip install "midair[shapes]"') from error
     try:
         source = str(path).encode() if written else content(name, empty=True)
         _check(name, source)
