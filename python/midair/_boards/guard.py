@@ -79,30 +79,27 @@ class Owner:
         Its process number.
     hold
         Time in s without a call after which everything is turned off.
+
+    Attributes
+    ----------
+    called, beaten
+        When its last call was executed, and when its last beat came.
     """
 
     def __init__(self, process: int, hold: float) -> None:
         self.process = process
         self._hold = hold
         self._stops = Stops(process)
-        self._called = self._beaten = time.monotonic()
-
-    def calls(self) -> None:
-        """Record that a call of the owner has been executed."""
-        self._called = time.monotonic()
-
-    def beats(self) -> None:
-        """Record that the owner's interpreter runs. May be called in any thread."""
-        self._beaten = time.monotonic()
+        self.called = self.beaten = time.monotonic()
 
     def is_silent(self, *, look: bool) -> bool:
         """Return whether the owner hangs, or has not called for `hold`; `look`: or is stopped."""
         now = time.monotonic()
-        return now - self._beaten >= wire.MISSED or (look and self._stops.look()) or self.left() <= 0
+        return now - self.beaten >= wire.MISSED or (look and self._stops.look()) or self.left() <= 0
 
     def left(self) -> float:
         """Return the time in s until `hold` is over."""
-        return self._called + self._hold - time.monotonic()
+        return self.called + self._hold - time.monotonic()
 
 
 class Replies:
@@ -170,8 +167,8 @@ class Guard:
 
         May run in any thread.
         """
-        self._owner.beats()
-        if time.monotonic() < self._until:
+        self._owner.beaten = now = time.monotonic()
+        if now < self._until:
             self._replies.send(Kind.DONE, number)
 
     def _come(self) -> list[Message]:
@@ -213,7 +210,7 @@ class Guard:
             self._replies.send(Kind.DONE, number, self.status())
         if kind not in (Kind.STATUS, Kind.EMITTING):
             # A call that has kept the device busy for longer than `hold` is no silence of the owner.
-            self._owner.calls()
+            self._owner.called = time.monotonic()
 
     def _attempt(self, number: int, act: Any, *arguments: Any) -> None:
         """Call the device and answer with the result. Number 0 marks the guard's own calls: no answer."""

@@ -61,11 +61,6 @@ def open_transport(description: dict[str, Any]) -> Transport:
     `kind` selects the class, the other entries are its arguments. After opening, the device is silent.
     """
     given = dict(description)
-    made: Transport = transport_class(given.pop("kind"))(**given)
+    module, name = TRANSPORTS[given.pop("kind")]
+    made: Transport = getattr(import_module(f"{__package__}.{module}"), name)(**given)
     return made
-
-
-def transport_class(kind: str) -> Any:
-    """Import the class of a kind of transport."""
-    module, name = TRANSPORTS[kind]
-    return getattr(import_module(f"{__package__}.{module}"), name)

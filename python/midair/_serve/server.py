@@ -36,7 +36,7 @@ from .._midair import SceneError
 from .._support.arguments import refused
 from . import osc
 from .adaptics import Page, Player
-from .client import MOST_RATE, Client, Crowd
+from .client import Client
 from .live import Live
 from .messages import Talk, obey_osc
 
@@ -44,7 +44,7 @@ from .messages import Talk, obey_osc
 MOST_BYTES, MOST_PATTERN = 1 << 16, 1 << 20
 
 #: Largest number of messages of a client that wait to be executed.
-MOST_WAITING = 1000
+MOST_WAITING = 4000
 
 #: Time in s that a client has to show the token, and that it has to answer when its connection is closed.
 OPENING, CLOSING = 2.0, 1.0
@@ -84,7 +84,8 @@ class PointServer(AbstractContextManager["PointServer"]):
         self._tcp, self._udp = _bound(port, osc_port)
         self.port, self.osc = (each.getsockname()[1] for each in (self._tcp, self._udp))
         self.token = secrets.token_urlsafe(16)
-        self._crowd = Crowd()
+        self._strangers: dict[Client, None] = {}
+        self._clients: set[Client] = set()
         #: Executes messages, and how many of each source wait.
         self._work = ThreadPoolExecutor(1, initializer=before_what_computes)
         self._waiting: Counter[Hashable] = Counter()
@@ -128,7 +129,7 @@ class PointServer(AbstractContextManager["PointServer"]):
             sock=self._tcp,
             origins=self._origins,  # type: ignore[arg-type]  # None: programs that are no web pages
             process_request=self._admit,  # type: ignore[arg-type]
-            create_connection=partial(Client, self._crowd),  # type: ignore[arg-type]
+            create_connection=partial(Client, self._strangers, self._clients),  # type: ignore[arg-type]
             max_size=MOST_PATTERN,
             compression=None,
             open_timeout=OPENING,
@@ -165,9 +166,8 @@ class PointServer(AbstractContextManager["PointServer"]):
                 if len(message) > most:
                     code, reason = 1009, "message is too big"
                     break
-                at = client.arrived
-                if not (client.counts() and self._take(client, at, talk.obey, message, at)):
-                    code, reason = 1008, f"there are too many messages: send {MOST_RATE} a second at most"
+                if not self._take(client, client.arrived, talk.obey, message, client.arrived):
+                    code, reason = 1008, "too many messages wait: send fewer"
                     break
         except ConnectionClosed:
             pass
