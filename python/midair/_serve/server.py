@@ -15,7 +15,6 @@ import logging
 import re
 import secrets
 import socket
-import struct
 import threading
 import time
 from collections import Counter
@@ -147,7 +146,7 @@ class PointServer(AbstractContextManager["PointServer"]):
             shown = parse_qs(urlsplit(request.path).query).get("token", [""])[0]
         except ValueError:
             shown = ""
-        if not self._knows(shown.encode()):
+        if not self._knows(shown):
             refusal = "the token that midair serve printed is missing\n"
             return client.respond(HTTPStatus.FORBIDDEN, refusal)
         if not client.admit():
@@ -179,17 +178,16 @@ class PointServer(AbstractContextManager["PointServer"]):
         await client.close(code, reason)
 
     def _hear(self) -> None:
-        """Take an OSC datagram; one without the token or with damaged bundles is ignored."""
+        """Take an OSC datagram. One that is damaged, or does not contain the token, is dropped."""
         # Windows raises an OSError here if an earlier answer found no reader.
-        with suppress(OSError, ValueError, struct.error):
+        with suppress(OSError, SceneError):
             content, sender = self._udp.recvfrom(MOST_BYTES)
-            known = [each for each in osc.messages(content) if self._knows(osc.first(each[0]))]
-            if known:
-                self._take(sender, time.monotonic(), self._obey_osc, known, sender)
+            if self.token.encode() in content:
+                self._take(sender, time.monotonic(), self._obey_osc, osc.messages(content), sender)
 
-    def _knows(self, shown: bytes) -> bool:
+    def _knows(self, shown: Any) -> bool:
         """Return whether this is the token."""
-        return hmac.compare_digest(shown, self.token.encode())
+        return isinstance(shown, str) and hmac.compare_digest(shown.encode(), self.token.encode())
 
     def _take(self, source: Hashable, at: float, obey: Callable[..., None], *arguments: Any) -> bool:
         """Note a sign of life, and let a message be executed; return False if too many of its source wait."""
@@ -211,8 +209,8 @@ class PointServer(AbstractContextManager["PointServer"]):
     def _obey_osc(self, messages: list[tuple[bytes, int]], sender: Any) -> None:
         for message in messages:
             try:
-                name, values = osc.read(*message)
-                answer = obey_osc(self._live, sender, name, values)
+                name, (token, *values) = osc.read(*message)
+                answer = obey_osc(self._live, sender, name, values) if self._knows(token) else {}
                 name = name if name == "metrics" else "state"
             except (SceneError, BoardError) as error:
                 answer, name = {"error": str(error)}, "error"
