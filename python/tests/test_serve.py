@@ -229,7 +229,7 @@ def test_a_message_wakes_a_server_at_rest() -> None:
         # One frame per second; the second repeats the first, and then nothing more is sent.
         while time.monotonic() - begin < 2.5:
             with live.life() as life:
-            life.sign("me", time.monotonic())
+                life.sign("me", time.monotonic())
             time.sleep(0.02)
         frames, begin = board.stats.frames, time.monotonic()
         live.place("me", np.array([[0.02, 0, 0.1]]))
