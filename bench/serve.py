@@ -1,14 +1,16 @@
 """Measures the delay of `midair serve` from a client's message to the changed frame, beside a busy program.
 
-`python bench/serve.py [BUSY PROGRAMS] [MESSAGES]` starts the server on a simulated board, which writes its
-frames into a pipe, 1,000 per second as for AUTD3. The script also starts programs that compute all the time.
-It reads the clock before each message and when the first changed frame arrives.
+`python bench/serve.py [BUSY PROGRAMS] [MESSAGES] [CONNECTIONS]` starts the server on a simulated board, which
+writes its frames into a pipe, 1,000 per second as for AUTD3. The script also starts programs that compute all
+the time, and one that opens connections without the token and sends damaged datagrams. It reads the clock
+before each message and when the first changed frame arrives.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -31,6 +33,21 @@ import tactons
 MESSAGES, APART = 400, (0.02, 0.04)
 
 BUSY = "while True: pass"
+
+#: A program that opens many connections, sends half a request by some, and damaged datagrams.
+STRANGERS = """
+import socket, sys, time
+port, osc, count = map(int, sys.argv[1:])
+udp, open_ones = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), []
+for k in range(count):
+    open_ones.append(socket.create_connection(("127.0.0.1", port)))
+    open_ones[-1].sendall(b"GET / HTTP/1.1\\r\\n" * (k % 2))
+    udp.sendto(b"#bundle\\0" + bytes(8) + b"\\xff\\xff\\xff\\xfcaaaa", ("127.0.0.1", osc))
+    if len(open_ones) > 100:
+        open_ones.pop(0).close()
+    time.sleep(1e-3)
+print(f"{count} connections without the token")
+"""
 
 Frame = tuple[float, bytes]
 
@@ -121,17 +138,17 @@ def rest(random: np.random.Generator, live: Callable[[], None]) -> None:
     time.sleep(pause)
 
 
-def main(programs: int = 1, messages: int = MESSAGES) -> None:
+def main(programs: int = 1, messages: int = MESSAGES, connections: int = 0) -> None:
     busy = [subprocess.Popen([sys.executable, "-c", BUSY]) for _ in range(programs)]
     try:
         with tempfile.TemporaryDirectory() as folder:
-            measure(Path(folder) / "frames.bin", messages)
+            measure(Path(folder) / "frames.bin", messages, connections)
     finally:
         for each in busy:
             each.kill()
 
 
-def measure(pipe: Path, messages: int) -> None:
+def measure(pipe: Path, messages: int, connections: int) -> None:
     """Prints the quantiles of the delay for each kind of message."""
     os.mkfifo(pipe)
     frames = Frames(pipe)
@@ -140,9 +157,11 @@ def measure(pipe: Path, messages: int) -> None:
         assert server.stdout is not None
         # The client gets a higher priority than the busy programs, because its own delay must not count.
         before_what_computes()
-        address, _, adaptics = (server.stdout.readline().split()[0] for _ in range(3))
+        address, osc, adaptics = (server.stdout.readline().split()[0] for _ in range(3))
         while not frames.came:
             time.sleep(0.01)
+        ports = (re.findall(r":(\d+)", each)[0] for each in (address, osc))
+        others = subprocess.Popen([sys.executable, "-c", STRANGERS, *ports, str(connections)])
         for name, measured in (
             ("a point at rest", points(address, frames, messages)),
             ("a parameter of a tacton in motion", parameters(adaptics, frames, messages)),
@@ -153,6 +172,7 @@ def measure(pipe: Path, messages: int) -> None:
                 for label, share in (("median", 0.5), ("p90", 0.9), ("p99", 0.99), ("most", 1.0))
             )
             print(f"{name}: {len(took)} messages, {shown} ms")
+        others.wait()
         server.terminate()
 
 

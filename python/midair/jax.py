@@ -82,10 +82,8 @@ def field(
     >>> midair.jax.field(array, jax.numpy.ones(400), [[0.0, 0.0, 0.15]]).shape
     (1,)
     """
-    try:
+    with needs("midair.jax needs JAX", "jax"):
         import jax
-    except ImportError as error:
-        raise needs("midair.jax", "JAX", "jax") from error
     values = (drive, points, positions, normals, sound_speed)
     named = {name: value for name, value in zip(NAMES, values, strict=True) if value is not None}
     given = {name: 1.0 * jax.numpy.asarray(value) for name, value in named.items()}

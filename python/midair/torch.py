@@ -37,11 +37,9 @@ def __dir__() -> list[str]:
 @cache
 def _function() -> tuple[Any, Any]:
     """Return PyTorch and the autograd function, which is defined at the first call."""
-    try:
+    with needs("midair.torch needs PyTorch", "torch"):
         import torch
         from torch.autograd.function import once_differentiable
-    except ImportError as error:
-        raise needs("midair.torch", "PyTorch", "torch") from error
 
     class Field(torch.autograd.Function):  # type: ignore[misc, unused-ignore]
         """Autograd function of a quantity. Its arguments are the call, the tensors' names and the tensors."""

@@ -5,6 +5,7 @@ If one is stopped, the board is off within 0.25 s; if one hangs, within 1 s. MID
 """
 
 import copy
+import json
 import os
 import pickle
 import signal
@@ -12,13 +13,15 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from queue import SimpleQueue
 
 import numpy as np
 import pytest
 
 import midair
 from lines import Line
-from midair._boards import process
+from midair._boards import guard, process, wire
+from midair._boards.wire import Kind
 from test_boards_guard import ended, programs, started  # noqa: F401, a fixture among them
 
 TRIALS = 20 if os.environ.get("MIDAIR_SLOW") else 1
@@ -112,6 +115,49 @@ def test_a_program_that_only_waits_or_computes_plays_on(line):
         time.sleep(0.5)
         assert line.surface.loud
         assert surface.stats.lapses == 0
+
+
+@pytest.mark.slow
+def test_a_program_needs_nothing_more_from_the_disk_to_turn_the_board_off(line):
+    script = (
+        "import sys, midair\n"
+        f"with midair.connect('sonicsurface:{line.port}') as surface: known = set(sys.modules)\n"
+        "surface._guard._silence()\n"
+        "print(*set(sys.modules) - known)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+
+
+class Slow:
+    """A transport whose modulation takes longer than `hold`; then the connection is closed."""
+
+    def __init__(self, inbox):
+        self.inbox = inbox
+
+    def play(self, frame):
+        pass
+
+    def silence(self):
+        pass
+
+    def look(self):
+        pass
+
+    def modulate(self, wave):
+        time.sleep(0.3)
+        self.inbox.put((Kind.CLOSE, 3, b""))
+
+
+def test_a_call_that_keeps_the_device_busy_for_longer_than_hold_is_no_silence(monkeypatch):
+    monkeypatch.setattr(guard, "before_what_computes", lambda: None)
+    inbox, nowhere = SimpleQueue(), os.open(os.devnull, os.O_WRONLY)
+    served = guard.Guard(Slow(inbox), guard.Owner(os.getppid(), hold=0.1), inbox, guard.Replies(nowhere))
+    inbox.put((Kind.PLAY, 1, wire.WHEN.pack(0.0, 0.0, wire.Late.WAIT) + b"frame"))
+    inbox.put((Kind.MODULATE, 2, wire.MODULATION.pack(200.0)))
+    served.run()
+    os.close(nowhere)
+    assert json.loads(served.status()) == {"state": "modulating", "frames": 1, "late": 0, "lapses": 0}
 
 
 @pytest.mark.parametrize("executable", ["itself", None, ""])

@@ -222,12 +222,14 @@ def test_a_path_that_is_too_short_in_time_is_refused(server: PointServer) -> Non
 def test_a_message_wakes_a_server_at_rest() -> None:
     with midair.connect("null", hold=SILENCE) as board:
         live = Live(board, rate=1.0, change=np.pi)
-        live.sign("me", time.monotonic())
+        with live.life() as life:
+            life.sign("me", time.monotonic())
         live.place("me", np.array([POINT]))
         begin = time.monotonic()
         # One frame per second; the second repeats the first, and then nothing more is sent.
         while time.monotonic() - begin < 2.5:
-            live.sign("me", time.monotonic())
+            with live.life() as life:
+                life.sign("me", time.monotonic())
             time.sleep(0.02)
         frames, begin = board.stats.frames, time.monotonic()
         live.place("me", np.array([[0.02, 0, 0.1]]))

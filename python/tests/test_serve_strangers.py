@@ -26,6 +26,7 @@ from pythonosc.osc_message import OscMessage
 from pythonosc.osc_message_builder import OscMessageBuilder
 from websockets.sync.client import connect
 
+import midair
 from midair._serve import osc
 from midair._serve.client import MOST_CLIENTS
 
@@ -179,24 +180,30 @@ def test_datagrams_without_the_token_are_cheap_and_silent(served: Served) -> Non
         time.sleep(0.5)
         # Nothing spins.
         assert served.cpu() - before < 0.25
+        # Nor does a damaged datagram that has the token.
+        for datagram in (nested(message("state", served.token), 3000), b"#bundle\0" + served.token.encode()):
+            client.sendto(datagram, place)
         client.settimeout(5)
         client.sendto(message("state", served.token), place)
         assert OscMessage(client.recv(4096)).address == "/midair/state"
 
 
-def test_bundles_are_read_as_far_as_they_are_whole() -> None:
-    key, other = message("points", "key", 1.0), message("points", "other", 1.0)
-    assert osc.Datagram(bundle(key, bundle(other, key)), "key").messages == [key, key]
-    assert osc.Datagram(nested(key, osc.MOST_NESTED), "key").messages == [key]
-    assert osc.Datagram(nested(key, osc.MOST_NESTED + 1), "key").messages == []
+def test_bundles_are_read_if_they_are_whole() -> None:
+    one, other = message("points", "key", 1.0), message("points", "other", 1.0)
+    assert osc.messages(bundle(one, bundle(other, one, tag=7))) == [(one, 1), (other, 7), (one, 7)]
+    assert osc.messages(nested(one, osc.MOST_NESTED)) == [(one, 1)]
+    damaged = [bundle(one)[:-1], bundle(one) + b"\0\0", nested(one, osc.MOST_NESTED + 1)]
     # Deeper than a datagram can be.
-    assert osc.Datagram(nested(key, 10_000), "key").messages == []
-    assert osc.Datagram(bundle(key)[:-1], "key").messages == []
+    damaged.append(nested(one, 10_000))
     for size in (-(2**31), -4, -1, 0, 2**31 - 1):
-        damaged = bundle(key) + struct.pack(">i", size) + b"aaaa"
-        assert osc.Datagram(damaged, "key").messages == []
-    for datagram in DATAGRAMS:
-        assert osc.Datagram(datagram, "key").messages == []
+        damaged.append(bundle(one) + struct.pack(">i", size) + b"aaaa")
+    for datagram in damaged:
+        with pytest.raises(midair.SceneError, match="damaged"):
+            osc.messages(datagram)
+    assert osc.read(message("points", "key", 1.0), 0) == ("points", ["key", 1.0])
+    for content in (b"", b"/", b"/midair/off\0", b"/midair/off\0,s\0\0"):
+        with suppress(midair.SceneError):
+            assert osc.read(content, 1)[1] in ([""], [])
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from .._midair import Codec, nearest, numbers
-from .._support.arguments import is_array, number, refused, word
+from .._support.arguments import is_array, needs, number, refused, word
 from .board import Board
 from .errors import BoardError
 from .layout import autd3_boards
@@ -215,10 +215,8 @@ def ports() -> list[Port]:
     >>> all(port.name for port in midair.ports())
     True
     """
-    try:
+    with needs("ports needs pyserial", "serial", BoardError):
         from serial.tools.list_ports import comports
-    except ImportError as error:
-        raise BoardError('ports needs pyserial: pip install "midair[serial]"') from error
     found = (
         Port(
             port.device,

@@ -16,6 +16,7 @@ import sys
 import threading
 import time
 from collections import deque
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from queue import Empty, SimpleQueue
@@ -50,47 +51,97 @@ class Waiting:
     frame: bytes
 
 
-class Guard:
-    """State of the guard: the transport, the playing frame, and the time of the last call.
+@dataclass(frozen=True)
+class State:
+    """What a device does: it is off, lost, or plays frames since a time, in a loop at `rate` a second."""
+
+    name: str
+    frames: Sequence[bytes] = ()
+    since: float = 0.0
+    rate: float = 1.0
+
+    def frame(self) -> bytes:
+        """Return the frame that plays now, empty if none does."""
+        played = int((time.monotonic() - self.since) * self.rate)
+        return self.frames[played % len(self.frames)] if self.frames else b""
+
+
+#: A device that is lost stays so until it plays again.
+OFF, LOST = State("off"), State("lost")
+
+
+class Owner:
+    """What the guard knows of its owner's life.
 
     Parameters
     ----------
+    process
+        Its process number.
     hold
         Time in s without a call after which everything is turned off.
-    parent
-        Process number of the owner.
-    inbox, replies
-        Queue of messages from the owner, and the pipe for answers.
+
+    Attributes
+    ----------
+    called, beaten
+        When its last call was executed, and when its last beat came.
+    """
+
+    def __init__(self, process: int, hold: float) -> None:
+        self.process = process
+        self._hold = hold
+        self._stops = Stops(process)
+        self.called = self.beaten = time.monotonic()
+
+    def is_silent(self, *, look: bool) -> bool:
+        """Return whether the owner hangs, or has not called for `hold`; `look`: or is stopped."""
+        now = time.monotonic()
+        return now - self.beaten >= wire.MISSED or (look and self._stops.look()) or self.left() <= 0
+
+    def left(self) -> float:
+        """Return the time in s until `hold` is over."""
+        return self.called + self._hold - time.monotonic()
+
+
+class Replies:
+    """The pipe for answers to the owner; several threads write into it."""
+
+    def __init__(self, pipe: int) -> None:
+        self._pipe = pipe
+        self._lock = threading.Lock()
+
+    def send(self, kind: Kind, number: int, content: bytes = b"") -> None:
+        """Answer a message. Number 0 needs no answer."""
+        # `Guard.run` detects an owner that is gone.
+        if number:
+            with suppress(wire.Gone), self._lock:
+                wire.write(self._pipe, kind, number, content)
+
+
+class Guard:
+    """Executes the owner's messages on a device, plays frames when they are due, and watches the owner.
+
+    `inbox` is the queue of the owner's messages.
     """
 
     def __init__(
-        self, transport: Transport, hold: float, parent: int, inbox: SimpleQueue[Message], replies: int
+        self, transport: Transport, owner: Owner, inbox: SimpleQueue[Message], replies: Replies
     ) -> None:
         self._transport = transport
-        self._hold = hold
-        self._parent = parent
-        self._stops = Stops(parent)
+        self._owner = owner
         self._inbox = inbox
         self._replies = replies
-        self._waiting: deque[Waiting] = deque()
         self._put_by: list[Message] = []
-        self._called = time.monotonic()
+        self._waiting: deque[Waiting] = deque()
+        self._state = OFF
         self._wave: float | bytes | None = None
-        self._playing: list[bytes] = []
-        self._uploaded = (0.0, 1.0)
-        self._lost = False
-        self._beaten = time.monotonic()
+        self._counts = {"frames": 0, "late": 0, "lapses": 0}
         self._until = math.inf
         self._looked = 0.0
-        self._lock = threading.Lock()
-        self._frames = 0
-        self._late = 0
-        self._lapses = 0
 
     def run(self) -> None:
         """Execute messages until the owner closes the connection or is gone."""
         before_what_computes()
-        while os.getppid() == self._parent:
+        while os.getppid() == self._owner.process:
             # All messages are read before the next frame is played, so that "off" and newer frames overtake
             # older ones.
             for kind, number, content in (came := self._come()):
@@ -101,23 +152,24 @@ class Guard:
             self._until = time.monotonic() + wire.MISSED
             if self._waiting and self._waiting[0].due <= time.monotonic():
                 self._play_next()
-            now = time.monotonic()
-            missed = now - self._beaten >= wire.MISSED or (not came and self._stops.look())
-            if self._playing and (missed or now - self._called >= self._hold):
-                self._lapses += 1
-                self._attempt(0, self._off)
-            elif self._playing and not self._waiting and now - self._looked >= LOOK:
-                self._looked = now
-                self._attempt(0, self._transport.look)
+            silent = self._owner.is_silent(look=not came)
+            if self._state.frames:
+                now = time.monotonic()
+                if silent:
+                    self._counts["lapses"] += 1
+                    self._attempt(0, self._off)
+                elif not self._waiting and now - self._looked >= LOOK:
+                    self._looked = now
+                    self._attempt(0, self._transport.look)
 
     def beat(self, number: int) -> None:
         """Record that the owner (the user's program) lives. Answer unless the device blocks the guard.
 
         May run in any thread.
         """
-        self._beaten = now = time.monotonic()
+        self._owner.beaten = now = time.monotonic()
         if now < self._until:
-            self._answer(Kind.DONE, number, b"")
+            self._replies.send(Kind.DONE, number)
 
     def _come(self) -> list[Message]:
         """Wait for messages, at most until the next task, and return those that arrived."""
@@ -136,13 +188,10 @@ class Guard:
 
     def _pause(self) -> float:
         """Return the time in s to wait for a message: until the next frame or check, or until `hold` ends."""
-        now = time.monotonic()
-        due = self._waiting[0].due if self._waiting else math.inf
-        return max(0.0, min(TICK, due - now, self._called + self._hold - now if self._playing else math.inf))
+        due = self._waiting[0].due - time.monotonic() if self._waiting else math.inf
+        return max(0.0, min(TICK, due, self._owner.left() if self._state.frames else math.inf))
 
     def _serve(self, kind: Kind, number: int, content: bytes) -> None:
-        if kind not in (Kind.STATUS, Kind.EMITTING):
-            self._called = time.monotonic()
         if kind == Kind.PLAY:
             due, latest, late = wire.WHEN.unpack_from(content)
             self._waiting.append(Waiting(due, latest, Late(late), number, content[wire.WHEN.size :]))
@@ -156,25 +205,28 @@ class Guard:
             count, rate = wire.UPLOADED.unpack_from(content)
             self._attempt(number, self._upload, content[wire.UPLOADED.size :], count, rate)
         elif kind == Kind.EMITTING:
-            self._answer(Kind.FRAME, number, self._now())
+            self._replies.send(Kind.FRAME, number, self._state.frame())
         else:
-            self._answer(Kind.DONE, number, self.status())
+            self._replies.send(Kind.DONE, number, self.status())
+        if kind not in (Kind.STATUS, Kind.EMITTING):
+            # A call that has kept the device busy for longer than `hold` is no silence of the owner.
+            self._owner.called = time.monotonic()
 
     def _attempt(self, number: int, act: Any, *arguments: Any) -> None:
         """Call the device and answer with the result. Number 0 marks the guard's own calls: no answer."""
+        lost = self._state is LOST
         try:
             act(*arguments)
         except BoardError as error:
-            self._lost |= type(error) is not BoardError
-            self._fail(number, error)
+            self._fail(number, error, lost=lost or type(error) is not BoardError)
         # A device's library may raise errors of any kind.
         except Exception as error:
-            self._lost = True
-            self._fail(number, BoardLost(f"the link failed ({named(error)}): connect again"))
+            reported = BoardLost(f"the link failed ({named(error)}): connect again")
+            self._fail(number, reported, lost=True)
         else:
-            self._answer(Kind.DONE, number, self.status())
+            self._replies.send(Kind.DONE, number, self.status())
 
-    def _fail(self, number: int, error: BoardError) -> None:
+    def _fail(self, number: int, error: BoardError, *, lost: bool) -> None:
         """Answer a failed call, and all calls whose frames still wait, with an error; turn everything off."""
         reported = _reported(error)
         for message in self._more():
@@ -182,9 +234,10 @@ class Guard:
                 self._serve(*message)
             else:
                 self._put_by.append(message)
-        failed, self._waiting, self._playing = self._waiting, deque(), []
+        failed, self._waiting = self._waiting, deque()
+        self._state = LOST if lost else OFF
         for each in (number, *(other.number for other in failed)):
-            self._answer(Kind.FAILED, each, self.status(**reported))
+            self._replies.send(Kind.FAILED, each, self.status(**reported))
         with suppress(Exception):
             self._transport.silence()
 
@@ -192,28 +245,27 @@ class Guard:
         """Play the first waiting frame; if it is late, wait, skip it or report an error as requested."""
         first, now = self._waiting.popleft(), time.monotonic()
         if first.late == Late.SKIP and self._waiting and self._waiting[0].due <= now:
-            self._late += 1
-            self._answer(Kind.DONE, first.number, self.status())
+            self._counts["late"] += 1
+            self._replies.send(Kind.DONE, first.number, self.status())
         elif first.late == Late.ERROR and now > first.latest:
-            self._late += 1
-            self._fail(first.number, BoardTimeout(wire.LATE.format(1e3 * (now - first.due))))
+            self._counts["late"] += 1
+            late = BoardTimeout(wire.LATE.format(1e3 * (now - first.due)))
+            self._fail(first.number, late, lost=self._state is LOST)
         else:
             self._attempt(first.number, self._play, first.frame)
 
     def _play(self, frame: bytes) -> None:
-        # The frame is recorded first, because the device may play it even if the link then fails.
-        self._playing, self._uploaded = [frame], (0.0, 1.0)
+        # The state changes first, because the device may play the frame even if the link then fails.
+        self._state = State("playing", [frame])
         self._transport.play(frame)
-        self._frames += 1
-        self._lost = False
+        self._counts["frames"] += 1
 
     def _upload(self, frames: bytes, count: int, rate: float) -> None:
         length = len(frames) // count
-        self._playing = [frames[k : k + length] for k in range(0, len(frames), length)]
-        self._uploaded = (time.monotonic(), rate)
+        parts = [frames[k : k + length] for k in range(0, len(frames), length)]
+        self._state = State("playing", parts, time.monotonic(), rate)
         self._transport.upload(frames, count, rate)
-        self._frames += count
-        self._lost = False
+        self._counts["frames"] += count
 
     def _modulate(self, wave: float | bytes | None) -> None:
         self._transport.modulate(wave)
@@ -221,32 +273,20 @@ class Guard:
 
     def _off(self) -> None:
         """Turn everything off; drop waiting frames."""
-        dropped, self._waiting, self._playing = self._waiting, deque(), []
+        dropped, self._waiting = self._waiting, deque()
+        if self._state.frames:
+            self._state = OFF
         try:
             self._transport.silence()
         finally:
             for each in dropped:
-                self._answer(Kind.DONE, each.number, self.status())
-
-    def _now(self) -> bytes:
-        """Return the frame that plays now, empty if none does. In an upload, the elapsed time gives it."""
-        if not self._playing:
-            return b""
-        begin, rate = self._uploaded
-        return self._playing[int((time.monotonic() - begin) * rate) % len(self._playing)]
+                self._replies.send(Kind.DONE, each.number, self.status())
 
     def status(self, **more: str) -> bytes:
         """Return the status for the owner, as JSON."""
-        playing = "off" if not self._playing else "playing" if self._wave is None else "modulating"
-        state = "lost" if self._lost else playing
-        reported = {"state": state, "frames": self._frames, "late": self._late, "lapses": self._lapses}
-        return json.dumps(reported | more).encode()
-
-    def _answer(self, kind: Kind, number: int, content: bytes) -> None:
-        # Number 0 needs no answer. `run` detects an owner that is gone.
-        if number:
-            with suppress(wire.Gone), self._lock:
-                wire.write(self._replies, kind, number, content)
+        modulates = self._state.frames and self._wave is not None
+        state = "modulating" if modulates else self._state.name
+        return json.dumps({"state": state, **self._counts, **more}).encode()
 
 
 def main() -> None:
@@ -267,7 +307,7 @@ def main() -> None:
     transport: Transport | None = None
     try:
         transport = open_transport(setting["transport"])
-        guard = Guard(transport, setting["hold"], parent, inbox, replies)
+        guard = Guard(transport, Owner(parent, setting["hold"]), inbox, Replies(replies))
         served.append(guard)
         watch.begin({name: setting[name] for name in ("path", "transport")})
         wire.write(replies, Kind.DONE, number, guard.status())

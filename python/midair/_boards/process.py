@@ -13,6 +13,7 @@ from concurrent.futures import Future, InvalidStateError, wait
 from concurrent.futures import TimeoutError as NoAnswer
 from contextlib import suppress
 from dataclasses import dataclass
+from importlib import import_module
 from itertools import count
 from pathlib import Path
 from queue import SimpleQueue
@@ -20,7 +21,7 @@ from typing import Any
 
 from . import wire
 from .errors import KINDS, BoardError, BoardLost, BoardTimeout
-from .transport import SIMULATED, before_what_computes, open_transport
+from .transport import SIMULATED, TRANSPORTS, before_what_computes, open_transport
 from .watcher import Stops
 from .wire import Kind
 
@@ -89,7 +90,12 @@ class GuardProcess:
         path = [os.path.abspath(entry) for entry in sys.path]
         setting = json.dumps({"path": path, "transport": transport, "hold": hold})
         try:
-            self.answer(self.ask(Kind.OPEN, setting.encode()), OPENING)
+            opened = self.ask(Kind.OPEN, setting.encode())
+            # Once the guard is dead, this import would take too long on a busy computer. The guard reports
+            # what cannot be imported.
+            with suppress(Exception):
+                import_module(f"{__package__}.{TRANSPORTS[transport['kind']][0]}")
+            self.answer(opened, OPENING)
         except BaseException:
             # If the caller is interrupted, do not wait until the device is open.
             self._process.terminate()

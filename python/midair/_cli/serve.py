@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 
 from .. import Connection, connect
+from .._serve.life import SILENCE
+from .._serve.live import Live
 from .._support.arguments import needs
 from .progress import tell
 
@@ -38,12 +40,8 @@ def serve_command(
     change
         Largest change of a phase between two frames, in rad; by default pi/16.
     """
-    try:
-        from .._serve.life import SILENCE
-        from .._serve.live import Live
+    with needs("serve needs websockets and python-osc", "serve"):
         from .._serve.server import PointServer
-    except ImportError as error:
-        raise needs("serve", "websockets and python-osc", "serve") from error
 
     def connected() -> Connection:
         return connect(on, hold=SILENCE)

@@ -80,10 +80,8 @@ def sound(boundary: Boundary) -> NDArray[np.complex64]:
 
 def lapack() -> Any:
     """Return SciPy's linear algebra module."""
-    try:
+    with needs("a Mesh needs SciPy", "mesh"):
         from scipy import linalg
-    except ImportError as error:
-        raise needs("a Mesh", "SciPy", "mesh") from error
     return linalg
 
 

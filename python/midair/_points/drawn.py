@@ -78,10 +78,8 @@ def _formats(wrong: str) -> str:
 
 def library() -> Any:
     """Return the package trimesh."""
-    try:
+    with needs("Mesh.from_file needs trimesh", "mesh"):
         import trimesh
-    except ImportError as error:
-        raise needs("Mesh.from_file", "trimesh", "mesh") from error
     return trimesh
 
 

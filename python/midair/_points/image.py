@@ -139,10 +139,8 @@ def image(
 def _brightness(path: str | PathLike[str], pixels: int) -> NDArray[np.float64]:
     """Return the brightness, 0 to 1, of squares (rows, columns), with `pixels` squares on the longer side."""
     file = existing("path", path, "give a picture such as a .png")
-    try:
+    with needs("image needs Pillow", "shapes"):
         from PIL import Image, ImageOps
-    except ImportError as error:
-        raise needs("image", "Pillow", "shapes") from error
     try:
         with Image.open(BytesIO(content(file)), formats=FORMATS) as opened:
             longer = max(opened.size)

@@ -212,10 +212,8 @@ class Sequence(JudgedFrames):
 
 def dataset(sequence: JudgedFrames) -> Dataset:
     """Return points, targets, |p|, changes and drives as a dataset over time, point and transducer."""
-    try:
+    with needs("to_xarray needs xarray", "motion"):
         import xarray
-    except ImportError as error:
-        raise needs("to_xarray", "xarray", "motion") from error
     board = {} if sequence.codes is None else {"phases": (sequence.quantization or {})["phases"]}
     drives = ("drives", sequence.drives, {}) if sequence.codes is None else ("codes", sequence.codes, board)
     variables: dict[str, tuple[tuple[str, ...], Any, dict[str, Any]]] = {

@@ -9,17 +9,14 @@ import asyncio
 import json
 import math
 import time
-from asyncio import Future, Task
 from collections import deque
 from collections.abc import Callable
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
-from websockets.exceptions import ConnectionClosed
 
 from .._boards.errors import BoardError
-from .._midair import SceneError, stated
+from .._midair import SceneError, numbers, stated
 from .._support.arguments import flag, json_object, number, refused, word
 from .client import Client
 from .live import Frame, Live, Wanted
@@ -44,7 +41,8 @@ class Player:
         self._time = 0.0
         self._tracked = False
         self._palm = (0.0, 0.0, 0.0)
-        self._pages: list[Page] = []
+        #: The clients that get reports.
+        self.pages: set[Page] = set()
 
     def obey(self, message: str | bytes, page: Page, at: float) -> None:
         """Execute a client's message, which came at a time of `time.monotonic`.
@@ -68,9 +66,10 @@ class Player:
         if not isinstance(given, dict) or not isinstance(given.get("user_parameters"), dict):
             raise refused("evaluator_params", given, "give time, user_parameters and geometric_transform")
         values = {name: number(name, value) for name, value in given["user_parameters"].items()}
-        matrix = _matrix(given.get("geometric_transform"))
+        cure = "give 4 rows of 4 numbers"
+        matrix = numbers("geometric_transform", given.get("geometric_transform"), [(4, 4)], cure)
         self._time = number("time", given.get("time"))
-        self._values, self._matrix = values, matrix
+        self._values, self._matrix = values, matrix.tolist()
 
     def _start(self, data: dict[str, Any], page: Page, at: float) -> None:
         start, offset = (number(key, data.get(key)) for key in ("playstart", "playstart_offset"))
@@ -85,8 +84,8 @@ class Player:
 
     def _tracking(self, data: dict[str, Any], page: Page, at: float) -> None:
         self._tracked = flag("enabled", data.get("enabled"))
-        for each in self._pages:
-            self.live.track(each.client, tracked=self._tracked)
+        with self.live.life() as life:
+            life.tracked = self._tracked and life.player in [page.client for page in self.pages]
 
     def _hand(self, data: dict[str, Any], page: Page, at: float) -> None:
         frame = data.get("tracking_frame")
@@ -94,8 +93,9 @@ class Player:
             raise refused("tracking_frame", frame, "give an object")
         if (hand := frame.get("hand")) is not None:
             self._palm = _palm(hand)
-        self.live.hand(page.client, None if hand is None else at)
-        for other in self._pages:
+        with self.live.life() as life:
+            life.hand(page.client, None if hand is None else at)
+        for other in tuple(self.pages):
             if other is not page:
                 other.send("tracking_data", tracking_frame=frame)
 
@@ -113,7 +113,7 @@ class Player:
             now = 1e3 * (time.monotonic() - begin)
             touch = self._tacton.at(now, moment, self._values, self._matrix)
             moment, over = touch.moment, touch.stop
-            for page in self._pages:
+            for page in tuple(self.pages):
                 page.reported.append(touch)
             if over:
                 return None
@@ -124,14 +124,6 @@ class Player:
             return Frame(point, loudness=min(max(touch.intensity, 0.0), 1.0))
 
         return frame
-
-    def join(self, page: Page) -> None:
-        """Add a client to those that receive reports."""
-        self._pages = [*self._pages, page]
-
-    def leave(self, page: Page) -> None:
-        """Remove a client from those that receive reports."""
-        self._pages = [each for each in self._pages if each is not page]
 
 
 COMMANDS: dict[str, Callable[[Player, dict[str, Any], Page, float], None]] = {
@@ -150,18 +142,6 @@ class Page:
         self.client = client
         self.reported: deque[Touch] = deque(maxlen=MOST_REPORTED)
         self._player = player
-        self._reports: Task[None] | None = None
-
-    def begin(self) -> None:
-        """Begin the reports."""
-        self._player.join(self)
-        self._reports = self.client.loop.create_task(self._report())
-
-    def end(self) -> None:
-        """End the reports."""
-        self._player.leave(self)
-        if self._reports is not None:
-            self._reports.cancel()
 
     def obey(self, message: str | bytes, at: float) -> None:
         """Execute a message, which came at a time of `time.monotonic`."""
@@ -174,25 +154,25 @@ class Page:
         """Send a message."""
         self.client.say(json.dumps({"cmd": command, "data": data}))
 
-    async def _report(self) -> None:
+    async def report(self) -> None:
         """Send the touches that were played, the error that ended them, and pings, one after another."""
+        live, told = self._player.live, None
         pong: Any = None
-        error: str | None = None
-        with suppress(ConnectionClosed):
+        self._player.pages.add(self)
+        try:
             while True:
                 await asyncio.sleep(REPORT)
                 touches = [self.reported.popleft() for _ in range(len(self.reported))]
                 if touches:
                     self.send("playback_update", evals=[_evaluated(touch) for touch in touches])
-                if error != (error := self._player.live.failed(self.client)) and error is not None:
-                    self.send("error", message=error)
+                if told != (told := live.failed) and told is not None and told[0] is self.client:
+                    self.send("error", message=told[1][:MOST_TEXT])
                 if pong is None or pong.done():
+                    with live.life() as life:
+                        life.sign(self.client, self.client.arrived)
                     pong = await self.client.ping()
-                    pong.add_done_callback(self._lives)
-
-    def _lives(self, pong: Future[float]) -> None:
-        if not pong.cancelled() and pong.exception() is None:
-            self._player.live.sign(self.client, self.client.arrived)
+        finally:
+            self._player.pages.discard(self)
 
 
 def _evaluated(touch: Touch) -> dict[str, Any]:
@@ -201,19 +181,6 @@ def _evaluated(touch: Touch) -> dict[str, Any]:
     moment = {"last_eval_pattern_time": touch.moment.pattern, "time_offset": touch.moment.ahead}
     played = {"pattern_time": touch.moment.pattern, "stop": touch.stop}
     return {"ul_control_point": control, **played, "next_eval_params": moment}
-
-
-def _matrix(given: Any) -> Matrix:
-    try:
-        return [[number("geometric_transform", value) for value in row] for row in _rows(given)]
-    except TypeError:
-        raise refused("geometric_transform", given, "give 4 rows of 4 numbers") from None
-
-
-def _rows(given: Any) -> Any:
-    if not isinstance(given, list) or len(given) != 4 or any(len(row) != 4 for row in given):
-        raise refused("geometric_transform", given, "give 4 rows of 4 numbers")
-    return given
 
 
 def _palm(hand: Any) -> tuple[float, float, float]:

@@ -6,6 +6,8 @@ import math
 import threading
 import time
 from collections.abc import Callable, Hashable, Iterator
+from concurrent.futures import Future, InvalidStateError
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -13,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._boards.connection import Connection
-from .._boards.errors import BoardLost, BoardTimeout
+from .._boards.errors import BoardError, BoardLost
 from .._boards.transport import before_what_computes
 from .._midair import Scene, stated
 from .._sequence import stream
@@ -85,6 +87,8 @@ class Live:
         self.rate = most if rate is None else min(number("rate", rate, above=0), most)
         self._change = None if change is None else number("change", change, above=0)
         self.connection = connection
+        #: The last error of a playback, and the source of its points; None once others play.
+        self.failed: tuple[Hashable, str] | None = None
         self._again = again
         self._wave: Any = None
         # The condition protects what follows, and is notified of changes.
@@ -92,11 +96,10 @@ class Live:
         self._life = Life()
         self._wanted: Wanted | None = None
         self._begun = -math.inf
-        self._failed: tuple[Hashable, str] | None = None
         #: Whether the board is off for certain: nothing was sent to it since it was switched off.
         self._dark = True
-        self._ended = False
-        self._lost: Exception | None = None
+        #: Done when nothing will play any more; with the error if the board is lost.
+        self._over: Future[None] = Future()
         # The thread below alone writes what follows.
         self._current: Wanted | None = None
         self._played: tuple[Frame, NDArray[np.complex64]] | None = None
@@ -142,7 +145,7 @@ class Live:
         now = time.monotonic()
         with self._news:
             if self._life.play(wanted.source, now, tracked=tracked):
-                self._wanted, self._begun, self._failed = wanted, now, None
+                self._wanted, self._begun, self.failed = wanted, now, None
                 self._news.notify_all()
 
     def modulate(self, wave: float | ArrayLike | None) -> None:
@@ -150,28 +153,11 @@ class Live:
         self.connection.modulate(wave)
         self._wave = wave
 
-    def sign(self, source: Hashable, at: float) -> None:
-        """Record that a message of a source came at a time of `time.monotonic`."""
+    @contextmanager
+    def life(self) -> Iterator[Life]:
+        """Lend the signs of life to one thread, and act on what it has changed."""
         with self._news:
-            self._life.sign(source, at)
-
-    def hand(self, tracker: Hashable, at: float | None) -> None:
-        """Record that a tracker sees a hand at the time that it states; None: it sees none."""
-        with self._news:
-            self._life.hand(tracker, at)
-            self._news.notify_all()
-
-    def track(self, source: Hashable, *, tracked: bool) -> None:
-        """Let the points of a source follow a hand, or no longer."""
-        with self._news:
-            if self._life.player == source:
-                self._life.tracked = tracked
-                self._news.notify_all()
-
-    def leave(self, source: Hashable) -> None:
-        """Record that a source has gone. If its points play, the board turns off."""
-        with self._news:
-            self._life.leave(source)
+            yield self._life
             self._news.notify_all()
 
     def off(self) -> None:
@@ -180,16 +166,13 @@ class Live:
             self._life.off()
             self._dark = False
             self._news.notify_all()
-            self._news.wait_for(lambda: self._dark or self._ended or self._life.player is not None, PATIENCE)
-
-    def failed(self, source: Hashable) -> str | None:
-        """Return the error that ended the last playback, if its points were of this source."""
-        failed = self._failed
-        return None if failed is None or failed[0] != source else failed[1]
+            self._news.wait_for(
+                lambda: self._dark or self._over.done() or self._life.player is not None, PATIENCE
+            )
 
     def state(self) -> dict[str, Any]:
         """Return the board's state, its counts of frames, and the error that ended the last playback."""
-        stats, failed = self.connection.stats, self._failed
+        stats, failed = self.connection.stats, self.failed
         counts = {"frames": stats.frames, "late": stats.late, "lapses": stats.lapses}
         return {"state": self.connection.state, **counts, "error": None if failed is None else failed[1]}
 
@@ -206,10 +189,7 @@ class Live:
 
     def wait(self) -> None:
         """Wait until the board is lost and cannot be connected again; raise the error."""
-        with self._news:
-            self._news.wait_for(lambda: self._ended)
-        if self._lost is not None:
-            raise self._lost
+        self._over.result()
 
     def close(self) -> None:
         """Turn the board off and close the connection."""
@@ -218,10 +198,12 @@ class Live:
         self.connection.close()
 
     def _end(self, lost: Exception | None = None) -> None:
-        with self._news:
-            self._ended, self._lost = True, lost
-            self._life.off()
-            self._news.notify_all()
+        with self.life() as life, suppress(InvalidStateError):
+            life.off()
+            if lost is None:
+                self._over.set_result(None)
+            else:
+                self._over.set_exception(lost)
 
     def _left(self) -> float:
         """Return the time in s for which the points may play without another sign of life; 0: off."""
@@ -234,9 +216,9 @@ class Live:
 
     def _run(self) -> None:
         before_what_computes()
-        while not self._ended:
+        while not self._over.done():
             with self._news:
-                self._news.wait_for(lambda: self._ended or not self._dark or self._left())
+                self._news.wait_for(lambda: self._over.done() or not self._dark or self._left())
             try:
                 self._stream()
                 if self._alive() is None:
@@ -248,7 +230,8 @@ class Live:
     def _darken(self) -> None:
         try:
             self.connection.off()
-        except BoardTimeout:
+        except BoardError:
+            # Nothing goes faster than the next attempt.
             time.sleep(REST)
             raise
         with self._news:
@@ -259,23 +242,20 @@ class Live:
         """End the playback that failed. If the board is lost, connect again; if that fails, end."""
         with self._news:
             source = None if self._current is None else self._current.source
-            self._failed = source, str(error)
+            self.failed = source, str(error)
             if self._wanted is self._current:
                 self._life.off()
         if isinstance(error, BoardLost):
             try:
-                self._reconnect(error)
+                if self._again is None:
+                    raise error
+                self.connection.close()
+                self.connection = self._again()
+                if self._wave is not None:
+                    self.connection.modulate(self._wave)
             # A device's library may raise errors of any kind.
             except Exception as lost:
                 self._end(lost)
-
-    def _reconnect(self, error: BoardLost) -> None:
-        if self._again is None:
-            raise error
-        self.connection.close()
-        self.connection = self._again()
-        if self._wave is not None:
-            self.connection.modulate(self._wave)
 
     def _stream(self) -> None:
         """Play frames with one bound of phase change, until nothing is left to play or the bound changes."""

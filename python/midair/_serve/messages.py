@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Callable, Hashable
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -19,37 +18,24 @@ from .._support.arguments import json_object, number, refused, vectors
 from .client import Client
 from .life import SILENCE
 from .live import Live
-from .work import Work
 
 #: Numbers per point in a binary message: x, y, z, pressure.
 ROW = 4
 
-#: Shortest time in s between two reports of the metrics.
-LEAST_REPORT = 0.01
+#: Shortest time in s between two reports of the metrics; and between two looks whether a client wants them.
+LEAST_REPORT, IDLE = 0.01, 0.05
 
 #: Keys of a JSON message, of which a message needs at least one.
 KEYS = ("points", "path", "modulation", "off", "keep", "state", "metrics")
 
 
 class Talk:
-    """Executes the messages of a WebSocket client, and sends the metrics repeatedly if it asks for them."""
+    """Executes the messages of a WebSocket client, and sends it the metrics as often as it asks for them."""
 
-    def __init__(self, client: Client, live: Live, work: Work) -> None:
+    def __init__(self, client: Client, live: Live) -> None:
         self._client = client
         self._live = live
-        self._work = work
         self._every = 0.0
-        self._timer: asyncio.TimerHandle | None = None
-
-    def begin(self) -> None:
-        """Greet the client."""
-        board = self._live.connection.board
-        greeting = {"board": board.name, "transducers": len(board.array), "rate": self._live.rate}
-        self._client.say(json.dumps({**greeting, "silence": SILENCE}))
-
-    def end(self) -> None:
-        """End the reports."""
-        self._set(0.0)
 
     def obey(self, message: str | bytes, _: float) -> None:
         """Execute a message and answer."""
@@ -60,24 +46,19 @@ class Talk:
         if answer:
             self._client.say(json.dumps(answer))
 
+    async def report(self) -> None:
+        """Greet the client, then send the metrics as often as it has asked for."""
+        board = self._live.connection.board
+        greeting = {"board": board.name, "transducers": len(board.array), "rate": self._live.rate}
+        self._client.say(json.dumps({**greeting, "silence": SILENCE}))
+        while True:
+            await asyncio.sleep(self._every or IDLE)
+            if self._every:
+                # In a thread, because the board answers in its own time.
+                self._client.say(json.dumps(await asyncio.to_thread(self._live.metrics)))
+
     def _repeat(self, seconds: float) -> None:
-        """Send the metrics every `seconds` s from now on; 0 ends this."""
         self._every = seconds and max(seconds, LEAST_REPORT)
-        with suppress(RuntimeError):
-            self._client.loop.call_soon_threadsafe(self._set, self._every)
-
-    def _set(self, seconds: float) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
-        if seconds:
-            self._timer = self._client.loop.call_later(seconds, self._work.ask, self._client, self._report)
-
-    def _report(self) -> None:
-        # The reports end with the board.
-        with suppress(BoardError):
-            self._client.say(json.dumps(self._live.metrics()))
-            self._repeat(self._every)
 
 
 def obey(

@@ -17,11 +17,12 @@ import secrets
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterable
-from contextlib import suppress
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager, suppress
 from functools import partial
 from http import HTTPStatus
-from types import TracebackType
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -34,13 +35,15 @@ from .._midair import SceneError, stated
 from .._support.arguments import refused
 from . import osc
 from .adaptics import Page, Player
-from .client import MOST_RATE, Client, Crowd
+from .client import Client
 from .live import Live
 from .messages import Talk, obey_osc
-from .work import Work
 
 #: Largest size in bytes of a message, and of a pattern of Adaptics.
 MOST_BYTES, MOST_PATTERN = 1 << 16, 1 << 20
+
+#: Largest number of messages of a client that wait to be executed.
+MOST_WAITING = 4000
 
 #: Time in s that a client has to show the token, and that it has to answer when its connection is closed.
 OPENING, CLOSING = 2.0, 1.0
@@ -55,7 +58,7 @@ ORIGIN = re.compile(r"[a-z][a-z0-9+.-]*://[^\s/?#@*]+", re.IGNORECASE)
 SILENT = logging.Logger("midair.serve", logging.CRITICAL + 1)
 
 
-class PointServer:
+class PointServer(AbstractContextManager["PointServer"]):
     """Server that plays clients' messages on a board until it is closed.
 
     Parameters
@@ -80,8 +83,11 @@ class PointServer:
         self._tcp, self._udp = _bound(port, osc_port)
         self.port, self.osc = (each.getsockname()[1] for each in (self._tcp, self._udp))
         self.token = secrets.token_urlsafe(16)
-        self._crowd = Crowd()
-        self._work = Work()
+        self._strangers: dict[Client, None] = {}
+        self._clients: set[Client] = set()
+        #: Executes messages, and how many of each source wait.
+        self._work = ThreadPoolExecutor(1, initializer=before_what_computes)
+        self._waiting: Counter[Hashable] = Counter()
         self._loop = asyncio.SelectorEventLoop()
         self._over = asyncio.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
@@ -103,30 +109,26 @@ class PointServer:
         with suppress(RuntimeError):
             self._loop.call_soon_threadsafe(self._over.set)
         self._thread.join(2 * CLOSING)
-        self._work.end()
+        self._work.shutdown(wait=False, cancel_futures=True)
 
-    def __enter__(self) -> PointServer:
-        return self
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _run(self) -> None:
         before_what_computes()
-        with asyncio.Runner(loop_factory=lambda: self._loop) as runner:
-            runner.run(self._serve())
+        self._loop.set_exception_handler(_reported)
+        self._loop.run_until_complete(self._serve())
+        self._loop.close()
 
     async def _serve(self) -> None:
         """Serve both ports until `close` is called."""
-        self._loop.set_exception_handler(_reported)
-        hears = partial(Datagrams, self._hear)
-        datagrams, _ = await self._loop.create_datagram_endpoint(hears, sock=self._udp)
+        self._loop.add_reader(self._udp, self._hear)
         async with serve(
             self._attend,  # type: ignore[arg-type]  # its clients are of the class below
             sock=self._tcp,
             origins=self._origins,  # type: ignore[arg-type]  # None: programs that are no web pages
             process_request=self._admit,  # type: ignore[arg-type]
-            create_connection=partial(Client, self._crowd),  # type: ignore[arg-type]
+            create_connection=partial(Client, self._strangers, self._clients),  # type: ignore[arg-type]
             max_size=MOST_PATTERN,
             compression=None,
             open_timeout=OPENING,
@@ -135,7 +137,8 @@ class PointServer:
             logger=SILENT,
         ):
             await self._over.wait()
-            datagrams.close()
+        self._loop.remove_reader(self._udp)
+        self._udp.close()
 
     def _admit(self, client: Client, request: Any) -> Any:
         """Refuse a client without the token, and one too many."""
@@ -143,51 +146,71 @@ class PointServer:
             shown = parse_qs(urlsplit(request.path).query).get("token", [""])[0]
         except ValueError:
             shown = ""
-        if not hmac.compare_digest(shown.encode(), self.token.encode()):
+        if not self._knows(shown):
             refusal = "the token that midair serve printed is missing\n"
             return client.respond(HTTPStatus.FORBIDDEN, refusal)
-        if not self._crowd.admit(client):
+        if not client.admit():
             return client.respond(HTTPStatus.SERVICE_UNAVAILABLE, "there are too many clients\n")
         return None
 
     async def _attend(self, client: Client) -> None:
         """Take a client's messages until it leaves."""
         adaptics = client.request is not None and urlsplit(client.request.path).path == "/adaptics"
-        talk = Page(client, self._player) if adaptics else Talk(client, self._live, self._work)
+        talk = Page(client, self._player) if adaptics else Talk(client, self._live)
         most = MOST_PATTERN if adaptics else MOST_BYTES
         code, reason = 1000, ""
+        reports = self._loop.create_task(talk.report())
         try:
-            talk.begin()
             async for message in client:
-                self._live.sign(client, client.arrived)
                 if len(message) > most:
                     code, reason = 1009, "message is too big"
                     break
-                act = partial(talk.obey, message, client.arrived)
-                if not (client.counts() and self._work.ask(client, act)):
-                    code, reason = 1008, f"there are too many messages: send {MOST_RATE} a second at most"
+                if not self._take(client, client.arrived, talk.obey, message, client.arrived):
+                    code, reason = 1008, "too many messages wait: send fewer"
                     break
         except ConnectionClosed:
             pass
         finally:
-            talk.end()
-            self._live.leave(client)
+            with self._live.life() as life:
+                life.leave(client)
+            reports.cancel()
+            await asyncio.gather(reports, return_exceptions=True)
         await client.close(code, reason)
 
-    def _hear(self, content: bytes, sender: Any) -> None:
-        """Take an OSC datagram; one without the token is ignored."""
-        datagram = osc.Datagram(content, self.token)
-        if datagram.messages:
-            self._live.sign(sender, time.monotonic())
-            if not self._work.ask(sender, partial(self._obey_osc, datagram, sender)):
-                self._live.leave(sender)
+    def _hear(self) -> None:
+        """Take an OSC datagram. One that is damaged, or does not contain the token, is dropped."""
+        # Windows raises an OSError here if an earlier answer found no reader.
+        with suppress(OSError, SceneError):
+            content, sender = self._udp.recvfrom(MOST_BYTES)
+            if self.token.encode() in content:
+                self._take(sender, time.monotonic(), self._obey_osc, osc.messages(content), sender)
 
-    def _obey_osc(self, datagram: osc.Datagram, sender: Any) -> None:
-        for message in datagram.messages:
+    def _knows(self, shown: Any) -> bool:
+        """Return whether this is the token."""
+        return isinstance(shown, str) and hmac.compare_digest(shown.encode(), self.token.encode())
+
+    def _take(self, source: Hashable, at: float, obey: Callable[..., None], *arguments: Any) -> bool:
+        """Note a sign of life, and let a message be executed; return False if too many of its source wait."""
+        with self._live.life() as life:
+            life.sign(source, at)
+            if self._waiting[source] >= MOST_WAITING:
+                life.leave(source)
+                return False
+        self._waiting[source] += 1
+        executed = self._loop.run_in_executor(self._work, obey, *arguments)
+        executed.add_done_callback(lambda _: self._forget(source))
+        return True
+
+    def _forget(self, source: Hashable) -> None:
+        self._waiting[source] -= 1
+        if not self._waiting[source]:
+            del self._waiting[source]
+
+    def _obey_osc(self, messages: list[tuple[bytes, int]], sender: Any) -> None:
+        for message in messages:
             try:
-                datagram.refuse_future()
-                name, values = osc.read(message)
-                answer = obey_osc(self._live, sender, name, values)
+                name, (token, *values) = osc.read(*message)
+                answer = obey_osc(self._live, sender, name, values) if self._knows(token) else {}
                 name = name if name == "metrics" else "state"
             except (SceneError, BoardError) as error:
                 answer, name = {"error": str(error)}, "error"
@@ -196,23 +219,10 @@ class PointServer:
                     self._udp.sendto(osc.written(name, answer), sender)
 
 
-class Datagrams(asyncio.DatagramProtocol):
-    """Passes datagrams and their senders on to a function."""
-
-    def __init__(self, hear: Callable[[bytes, Any], None]) -> None:
-        self._hear = hear
-
-    def datagram_received(self, data: bytes, addr: Any) -> None:
-        """Pass a datagram on."""
-        self._hear(data, addr)
-
-
 def _origin(given: str) -> str:
     """Check the origin of a web page, as browsers write it."""
     if not ORIGIN.fullmatch(given):
-        raise refused(
-            "origin", given, "give SCHEME://HOST or SCHEME://HOST:PORT, such as http://localhost:8000"
-        )
+        raise refused("origin", given, "give SCHEME://HOST:PORT, such as http://localhost:8000")
     return given
 
 
@@ -227,6 +237,7 @@ def _bound(port: int, osc_port: int) -> tuple[socket.socket, socket.socket]:
         raise stated(
             "", f"port {port} or {osc_port}", f"{error}; give another one, or 0 for a free one"
         ) from error
+    udp.setblocking(False)
     # Connections inherit it.
     tcp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVED)
     return tcp, udp

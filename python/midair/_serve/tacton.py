@@ -138,7 +138,7 @@ class Tacton:
         self._intensity = _track(self._keyframes, "intensity", ("stop",), onward=True)
         self._transform(given)
         table = _table(given, "user_parameter_definitions", "")
-        self._defined = {name: _definition(name, each) for name, each in table.items()}
+        self._defined = {name: _definition(table, name) for name in table}
 
     def at(
         self, time: float, moment: Moment, parameters: Mapping[str, float], matrix: Matrix | None = None
@@ -299,9 +299,9 @@ def _keyframe(given: dict[str, Any], where: str) -> Keyframe:
     kind = _one_of(given, "type", where, ("standard", "pause", "stop"))
     if kind == "stop":
         return Keyframe(time, kind)
+    if kind == "standard":
+        _table(given, "coords", where)
     place = _stage(given, "coords", where, _coords) if kind == "standard" else None
-    if kind == "standard" and place is None:
-        raise refused(f"{where}.coords", None, "give an object")
     jumps = tuple(_jump(each, f"{where}.cjumps") for each in _list(given, "cjumps", where))
     brush, strength = (
         _stage(given, name, where, read) for name, read in (("brush", _brush), ("intensity", _intensity))
@@ -346,11 +346,9 @@ def _jump(given: dict[str, Any], where: str) -> tuple[str, Callable[[float, floa
     return name, CONDITIONS[holds], limit, number(f"{where}.jump_to", given.get("jump_to"))
 
 
-def _definition(name: str, given: Any) -> tuple[float, float, float]:
+def _definition(table: dict[str, Any], name: str) -> tuple[float, float, float]:
     """Return default, least and largest value of a parameter."""
-    where = f"user_parameter_definitions.{name}"
-    if not isinstance(given, dict):
-        raise refused(where, given, "give an object")
+    given, where = _table(table, name, "user_parameter_definitions"), f"user_parameter_definitions.{name}"
     least, most = (
         without if (bound := given.get(key)) is None else number(f"{where}.{key}", bound)
         for key, without in (("min", -math.inf), ("max", math.inf))

@@ -58,10 +58,8 @@ class View:
     """
 
     def __init__(self, text: str, folder: Path = BUILT) -> None:
-        try:
+        with needs("view needs anywidget", "notebook"):
             from .widget import Widget
-        except ImportError as error:
-            raise needs("view", "anywidget", "notebook") from error
         self._widget = Widget(
             _esm=file("widget.mjs", folder).read_text(encoding="utf-8"),
             wasm=file("midair.wasm", folder).read_bytes(),

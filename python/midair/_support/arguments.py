@@ -8,6 +8,8 @@ import os
 import reprlib
 import sys
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from types import FrameType
@@ -26,11 +28,6 @@ def refused(item: str, value: Any, cure: str, code: str = "invalid") -> SceneErr
     """Return the error for an argument, in one line."""
     given = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
     return stated(item, f"is {shown(given)}", cure, code)
-
-
-def needs(user: str, package: str, extra: str) -> SceneError:
-    """Return the error for a package that is not installed, with the extra of midair that has it."""
-    return stated(user, f"needs {package}", f'pip install "midair[{extra}]"', "missing")
 
 
 def warn(text: str) -> None:
@@ -131,6 +128,16 @@ def json_object(item: str, text: str | bytes, cure: str) -> dict[str, Any]:
     if not isinstance(found, dict):
         raise stated(item, "is no JSON object", cure)
     return found
+
+
+@contextmanager
+def needs(what: str, extra: str, kind: type[Exception] | None = None) -> Iterator[None]:
+    """Name the extra of midair that installs what the block imports, if it is missing."""
+    try:
+        yield
+    except ImportError as error:
+        cure = f'pip install "midair[{extra}]"'
+        raise (kind(f"{what}: {cure}") if kind else stated("", what, cure, "missing")) from error
 
 
 def callback(value: Any, arguments: str) -> None:

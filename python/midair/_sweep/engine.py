@@ -41,10 +41,8 @@ _NOISY = ("distributed", "distributed.client", "tornado", "tornado.application")
 @contextmanager
 def workers(scheduler: str) -> Iterator[tuple[Executor, int]]:
     """Yield the cluster as an executor, and how many jobs it runs at the same time."""
-    try:
+    with needs("a scheduler needs Dask", "cluster"):
         from distributed import KilledWorker
-    except ImportError as error:
-        raise needs("a scheduler", "Dask", "cluster") from error
     with _quiet(), _connected(scheduler) as client:
         try:
             # If a worker is lost, Dask gives its jobs to another one.

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
-from importlib.util import find_spec
+from importlib import import_module
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -250,8 +250,8 @@ def dataset(
     >>> [next(made.read(split))["drive"].shape for split in ("train", "held_out")]
     [(45, 400), (5, 400)]
     """
-    if find_spec("pyarrow") is None:
-        raise needs("a data set", "pyarrow", "sweep")
+    with needs("a data set needs pyarrow", "sweep"):
+        import_module("pyarrow")
     if threads is not None:
         whole(threads, "threads", least=1)
     callback(progress, "scenes done, scenes")

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import REACH, SKIN, Membrane, Mesh, Plane, Shifted, stated
-from .._support.arguments import number, warn
+from .._midair import REACH, SKIN, Membrane, Mesh, Plane, Shifted
+from .._support.arguments import needs, number, warn
 
 #: Mode of SuperLU for symmetric matrices, with pivots on the diagonal.
 SYMMETRIC = {"SymmetricMode": True}
@@ -69,11 +69,9 @@ class Triangles:
     """
 
     def __init__(self, vertices: NDArray[np.float64], faces: NDArray[Any]) -> None:
-        try:
+        with needs("skin of a Mesh needs SciPy", "mesh"):
             from scipy.sparse import csr_array, diags_array
             from scipy.sparse.linalg import splu
-        except ImportError as error:
-            raise stated("skin", "of a Mesh needs SciPy", 'pip install "midair[mesh]"') from error
         corners = vertices[faces]
         cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         twice = np.linalg.norm(cross, axis=1)

@@ -70,10 +70,8 @@ def outlines(caller: str, path: str | PathLike[str], size: float, z: float) -> l
     size, z = number("size", size, above=0), number("z", z)
     written = isinstance(path, str) and path.lstrip().startswith("<")
     name = Path("SVG text") if written else existing("path", path, "give an SVG file")
-    try:
+    with needs(f"{caller} needs svgelements", "shapes"):
         import svgelements
-    except ImportError as error:
-        raise needs(caller, "svgelements", "shapes") from error
     try:
         source = str(path).encode() if written else content(name, empty=True)
         _check(name, source)
