@@ -65,7 +65,10 @@ test("a cell, ten times over", async () => {
     model.listeners["change:scene"]();
   }, JSON.stringify({ ...SCENE, points: [{ position: [0, 0.02, 0.12] }] }));
   const points = () =>
-    page.evaluate(() => JSON.parse((window as unknown as Own).model.values.state as string).points as number[][]);
+    page.evaluate(() => {
+      const scene = JSON.parse((window as unknown as Own).model.values.state as string) as { points: { position: number[] }[] };
+      return scene.points.map(({ position }) => position);
+    });
   await expect.poll(points, { timeout: 20_000 }).toEqual([[0, 0.02, 0.12]]);
   await point(page, 1).focus();
   await page.keyboard.press("ArrowRight");
