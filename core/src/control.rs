@@ -1,5 +1,6 @@
 //! Control of a running computation: progress, stop, trace of the residual, threads and memory.
 
+use alloc::format;
 use alloc::vec::Vec;
 use core::fmt;
 use core::ops::ControlFlow;

@@ -133,7 +133,7 @@ fn parameters(doc: &str) -> Vec<(String, Option<String>)> {
 
 /// Returns the names in a section of a docstring, each with its type if it is stated.
 pub(crate) fn entries(doc: &str, title: &str) -> Vec<(String, Option<String>)> {
-    let lines = section(doc, title).into_iter().filter(|line| !line.starts_with(' '));
+    let lines = section(doc, title).into_iter().filter(|line| !line.is_empty() && !line.starts_with(' '));
     let each = lines.flat_map(|line| {
         let (names, kind) = line.split_once(" : ").unwrap_or((line, ""));
         names.split(", ").map(move |name| (name.to_owned(), documented(kind)))

@@ -1,5 +1,6 @@
 //! Sources: an array's transducers, prepared for the kernels, and their waves in f64 by eq. (5) of Suzuki et al. 2021.
 
+use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
 
