@@ -1,6 +1,6 @@
 //! Options of a session by name: medium, bead, transducers, mask, quantization, and those of the method.
 
-use midair::solvers::{DEFAULT, configure, find};
+use midair::solvers::{DEFAULT, find};
 use midair::{
     Aim, Array, Bead, Board, Choice, Complex64, Directivity, Error, InstructionSet, Medium, Model, Obstacle,
     OptionValue, Options, PartKind, PartValue, Particle, Quantization, Scene, Session, Signature, Transducer, Value,
@@ -59,12 +59,11 @@ impl Setting {
     /// Makes the model and the session.
     pub(crate) fn open(&self) -> Result<(Model, Session), Error> {
         let set: InstructionSet = instruction_set()?;
-        let configured = configure(&self.choice, self.array.quantization()).map_err(with_own_names)?;
         let model = Model::new(&self.array, self.medium, set)?.with_signature(self.signature.clone());
         let model = model.with_bead(self.bead);
         let model = if self.obstacles.is_empty() { model } else { model.with_obstacles(&self.obstacles)? };
-        let balance = self.choice.balance.unwrap_or(configured.info.balance);
-        Ok((model.clone(), Session::new(model, configured.solver, balance)))
+        let session = Session::chosen(model.clone(), Some(&self.choice)).map_err(with_own_names)?;
+        Ok((model, session))
     }
 
     /// Returns the boards of this kind for the array.

@@ -177,13 +177,14 @@ impl Setting {
         let reported = scene.map_or(&[][..], |scene| &scene.ready.doubts);
         warn_all(object.py(), doubts.iter().filter(|doubt| !reported.contains(doubt)))?;
         let own = scene.and_then(|scene| scene.inner.solver.as_ref());
-        let (choice, Configured { solver, info, .. }) = chosen(own, model.array().quantization())?;
+        let (choice, configured) = chosen(own, model.array().quantization())?;
         let behind = scene.map_or(&[][..], |scene| scene.inner.obstacles());
         let obstacles = obstacles.map_or_else(|| Ok(behind.to_vec()), |given| read_obstacles(&given))?;
         let bead = bead.map(|bead| read_bead(&bead)).transpose()?;
         let bead = bead.or(scene.map(|scene| scene.inner.bead())).unwrap_or_default();
         let model = ready.behind(object.py(), &obstacles)?.with_signature(signature).with_bead(bead);
-        let session = Session::new(model.clone(), solver, choice.balance == Some(true));
+        let info = configured.info;
+        let session = Session::configured(model.clone(), configured, choice.balance);
         Ok(Self { session, choice, info, source: Source::Model(model) })
     }
 }

@@ -294,10 +294,9 @@ impl Solver {
         let targets = targets.as_ref().and_then(|request| request.pressures.as_deref());
         let transducers = session.transducers();
         let mut drives = vec![Complex32::ZERO; frames * transducers];
-        let starts = self.info.uses_start && self.info.name != "glide";
         ask.request = Request::default();
         let path = Frames { points: &points, targets, count, margin };
-        attend(py, None, |mut control| session.follow(path, starts, ask, &mut drives, &mut control))?;
+        attend(py, None, |mut control| session.follow(path, ask, &mut drives, &mut control))?;
         ask.start = None;
         let remarks = session.remarks();
         drop(state);

@@ -42,6 +42,17 @@ impl Fault {
         Self { error: Box::new(error), at: At::Key(table.into(), key.into()) }
     }
 
+    /// Returns the error about a key of a table that stands in no document: without the table's path.
+    pub(super) fn bare(self, table: &str) -> Error {
+        match *self.error {
+            Error::Invalid { item, value, cure } => {
+                let key = item.strip_prefix(table).and_then(|key| key.strip_prefix('.')).unwrap_or(&item);
+                Error::Invalid { item: key.into(), value, cure }
+            }
+            other => other,
+        }
+    }
+
     /// Returns the complete error: `bowl.toml, line 12, column 12: points[1].pressure is "loud": give a number; for example
     /// pressure = 500.0`.
     pub(super) fn reported(self, text: &str, format: Format, source: Source<'_>) -> Error {

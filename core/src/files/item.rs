@@ -50,6 +50,19 @@ impl<'a> Item<'a> {
         }
     }
 
+    /// Returns an error of the core about a key of this table, or about the table, as one about a place in the document.
+    pub(super) fn about(&self, error: Error) -> Fault {
+        let known = |item: &str| schema::keys(&self.path).any(|known| item.split(['.', '[']).next() == Some(known));
+        match error {
+            Error::Invalid { item, value, cure } if known(&item) => {
+                let path = format!("{}.{item}", self.path);
+                Fault::at(path.as_str(), Error::invalid(path.as_str(), value, cure))
+            }
+            Error::Unknown { ref kind, .. } if known(kind) => Fault::at(format!("{}.{kind}", self.path), error),
+            other => Fault::at(self.path.as_str(), other),
+        }
+    }
+
     pub(super) fn real(&self) -> Result<f64, Fault> {
         self.node.real().ok_or_else(|| self.refused("give a number"))
     }

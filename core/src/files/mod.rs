@@ -4,11 +4,13 @@ mod csv;
 mod drawn;
 mod drive;
 mod fault;
+mod frames;
 mod item;
 mod json;
 mod kind;
 mod motion;
 mod node;
+mod path;
 mod place;
 mod positions;
 mod read;
@@ -27,8 +29,10 @@ pub use drawn::{Draw, Drawing};
 pub use drive::{read_drive, write_drive};
 pub use motion::Motion;
 pub use node::Node;
+pub use path::{read_modulated, read_path};
 pub use positions::{COLUMNS as POSITIONS, read_array};
 pub use schema::tables;
+pub use shape::read_shape;
 pub use source::{Format, MOST_BYTES, Source};
 pub use sweep::sweep_tables;
 pub use tables::Provenance;
@@ -82,15 +86,15 @@ pub fn read_drawn(bytes: &[u8], format: Format, source: Source<'_>, draw: &mut D
     read::scene(&document, source, draw).map_err(|fault| fault.reported(text, format, source))
 }
 
-/// Reads a document of moving points. `draw` returns the points of the first frame for each `motion.path`, or for
-/// `motion.file`; the caller stores the path itself. Returns `None` for a document without `[motion]`.
+/// Reads a document of moving points. `draw` draws what [`read_drawn`] needs, and outlines for paths along drawings. Returns
+/// `None` for a document without `[motion]`.
 ///
 /// # Errors
-/// The errors of [`read_drawn`]; resting points beside `[motion]`, a motion without rate, path or file.
+/// The errors of [`read_drawn`]; resting points beside `[motion]`, a motion without rate, path or file; wrong paths and files
+/// of frames.
 ///
 /// ```
-/// use midair::Request;
-/// use midair::files::{Drawing, Format, Source, read_motion};
+/// use midair::files::{Format, Source, read_motion};
 ///
 /// let text = r#"
 /// [array]
@@ -105,9 +109,10 @@ pub fn read_drawn(bytes: &[u8], format: Format, source: Source<'_>, draw: &mut D
 /// radius = 0.02
 /// frequency = 5
 /// "#;
-/// let mut draw = |_: &str, _: &str| Ok(Drawing::Points(vec![[0.02, 0.0, 0.15]], Request::default()));
+/// let mut draw = |_: &str, _: &str| Err("no drawing".into());
 /// let motion = read_motion(text.as_bytes(), Format::Toml, Source::default(), &mut draw)?.expect("a motion");
-/// assert_eq!(motion.settings["rate"], midair::Value::Real(1e3));
+/// assert_eq!(motion.pace.rate, 1e3);
+/// assert_eq!(motion.path.frames(1e3)?.points.len(), 200);
 /// # Ok::<(), midair::Error>(())
 /// ```
 pub fn read_motion(
@@ -117,7 +122,7 @@ pub fn read_motion(
     draw: &mut Draw<'_>,
 ) -> Result<Option<Motion>, Error> {
     let (text, document) = parse(bytes, format, source)?;
-    motion::motion(&document, source, draw).map_err(|fault| fault.reported(text, format, source))
+    motion::motion((text, &document), format, source, draw).map_err(|fault| fault.reported(text, format, source))
 }
 
 /// Reads the document of a sweep as a tree of values, whose keys have been checked.

@@ -28,9 +28,9 @@ pub struct Frames<'a> {
 
 impl Session {
     /// Solves T frames one after another and writes their drives into `drives` (T, N). A solver with a memory continues from
-    /// the last frame, also from one call to the next, until [`Session::last`] is cleared. With `starts`, other solvers start
-    /// from the previous drive. `ask` contains the other parts of the request; its lists are overwritten. The drive of a frame
-    /// without points is 0.
+    /// the last frame, also from one call to the next, until [`Session::last`] is cleared. Other solvers that use a start, in a
+    /// session of [`Session::configured`], start from the previous drive. `ask` contains the other parts of the request; its
+    /// lists are overwritten. The drive of a frame without points is 0.
     ///
     /// # Errors
     /// Lists of lengths that do not fit, the errors of [`Session::solve`] with the index of the frame; a stop by the caller.
@@ -44,7 +44,7 @@ impl Session {
     /// let points: Vec<[f64; 3]> = (0..20).map(|t| [5e-5 * f64::from(t), 0.0, 0.15]).collect();
     /// let mut drives = vec![Complex32::ZERO; 20 * 256];
     /// let frames = Frames { points: &points, count: 1, ..Frames::default() };
-    /// session.follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none())?;
+    /// session.follow(frames, &mut SolveRequest::default(), &mut drives, &mut Control::none())?;
     /// let change = |t: usize, i: usize| (drives[256 * t + i] * drives[256 * (t - 1) + i].conj()).arg().abs();
     /// assert!((1..20).all(|t| (0..256).all(|i| change(t, i) < 0.2)));
     /// # Ok::<(), midair::Error>(())
@@ -52,7 +52,6 @@ impl Session {
     pub fn follow(
         &mut self,
         frames: Frames<'_>,
-        starts: bool,
         ask: &mut SolveRequest,
         drives: &mut [Complex32],
         control: &mut Control,
@@ -105,7 +104,7 @@ impl Session {
                 continue;
             }
             ask.start = match before {
-                Some(before) if starts => Some(Start::Drive(drives[before..before + transducers].to_vec())),
+                Some(before) if self.starts => Some(Start::Drive(drives[before..before + transducers].to_vec())),
                 _ => None,
             };
             let status = self.solve(ask, &mut control.part()).map(|solution| {

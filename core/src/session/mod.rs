@@ -3,11 +3,13 @@
 pub(crate) mod batch;
 pub(crate) mod follow;
 pub(crate) mod judging;
+pub(crate) mod moving;
 pub(crate) mod parts;
 pub(crate) mod worker;
 
 pub use batch::Batch;
 pub use follow::Frames;
+pub use moving::{Moving, Pace, look, meant, sight};
 pub use worker::SolveRequest;
 
 use alloc::format;
@@ -23,12 +25,13 @@ use crate::error::Error;
 use crate::kernels::LANES;
 use crate::problem::{Problem, Setup, Solution};
 use crate::propagation::{Model, Propagation};
-use crate::scene::{Doubt, Vicinity, contrary};
+use crate::scene::{Choice, Doubt, Options, Vicinity, contrary};
 use crate::session::batch::Outcome;
 use crate::session::parts::{Part, parts};
 use crate::session::worker::{Requests, Task, Transducers, Worker};
 use crate::solvers::last::Last;
 use crate::solvers::method::Solve;
+use crate::solvers::registry::{Configured, DEFAULT, configure};
 use crate::solvers::remark::Remark;
 use crate::solvers::solve::solve_after;
 
@@ -68,6 +71,8 @@ pub struct Session {
     vicinity: Option<Vicinity>,
     /// Whether points have been checked for different pressures at one place.
     compared: bool,
+    /// Whether the solver uses a start, and has no memory of its last frame: each frame then starts from the one before.
+    starts: bool,
 }
 
 impl Session {
@@ -79,6 +84,26 @@ impl Session {
         let solver = solver.into();
         let transducers = Transducers::Model(model.for_rows(solver.computes_rows()));
         Self::of(Task { transducers, setup, solver, balance }, vicinity)
+    }
+
+    /// Returns a session for an array and a configured solver of the registry; without `balance`, the solver decides whether it
+    /// balances.
+    #[must_use]
+    pub fn configured(model: Model, configured: Configured, balance: Option<bool>) -> Self {
+        let Configured { info, solver, .. } = configured;
+        let starts = info.uses_start && !solver.remembers();
+        Self { starts, ..Self::new(model, solver, balance.unwrap_or(info.balance)) }
+    }
+
+    /// Returns a session for an array and a chosen solver, by default [`DEFAULT`].
+    ///
+    /// # Errors
+    /// The errors of [`configure`].
+    pub fn chosen(model: Model, choice: Option<&Choice>) -> Result<Self, Error> {
+        let default = || Choice::new(DEFAULT.into(), Options::new());
+        let choice = choice.cloned().map_or_else(default, Ok)?;
+        let configured = configure(&choice, model.array().quantization())?;
+        Ok(Self::configured(model, configured, choice.balance))
     }
 
     /// Returns a session for a user's own propagation matrix G, the setup of its array, and a solver. Its requests have no
@@ -109,6 +134,7 @@ impl Session {
             looked: false,
             vicinity,
             compared,
+            starts: false,
         }
     }
 

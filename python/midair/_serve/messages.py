@@ -6,7 +6,6 @@ import asyncio
 import json
 from collections.abc import Callable, Hashable
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,8 +13,8 @@ from numpy.typing import NDArray
 
 from .._boards.errors import BoardError
 from .._midair import SceneError, numbers
-from .._sequence import document
 from .._support.arguments import json_object, number, refused, vectors
+from ..path import Path
 from .client import Client
 from .life import SILENCE
 from .live import Live
@@ -161,4 +160,4 @@ def _path(table: Any) -> Any:
     """Return the path of a table as in a scene file. Tables that name files are refused, for safety."""
     if not isinstance(table, dict) or table.get("kind") == "svg" or "file" in table:
         raise SceneError("path reads a file, or is no object: give a table as in [[motion.path]], but no svg")
-    return document.path_of(dict(table), Path())
+    return Path._of(table)

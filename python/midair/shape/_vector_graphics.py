@@ -96,6 +96,15 @@ def outlines(caller: str, path: str | PathLike[str], size: float, z: float) -> l
     return placed(found, (scale, -scale), z)
 
 
+def one_outline(path: str | PathLike[str], size: float, z: float) -> Contour:
+    """Return the contour in m of an SVG file or text, which a point walks; rejects several contours."""
+    contours = outlines("path.svg", path, size, z)
+    if len(contours) > 1:
+        cure = "leave one in each drawing, and put paths together by & or .then(..., fade=)"
+        raise SceneError(f"the drawing has {len(contours)} outlines, of which a point walks one: {cure}")
+    return contours[0]
+
+
 def _check(file: Path, source: bytes) -> None:
     """Raise SceneError for a drawing that is too large or too deeply nested, with its references expanded."""
 

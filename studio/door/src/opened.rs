@@ -1,8 +1,7 @@
 //! Opened: a scene that was read, with its model and the session of its solver.
 
 use midair::files::{self, Format, Provenance};
-use midair::solvers::{DEFAULT, configure};
-use midair::{Choice, Control, Error, InstructionSet, Model, Options, Problem, Scene, Session, SolveRequest};
+use midair::{Control, Error, InstructionSet, Model, Problem, Scene, Session, SolveRequest};
 
 /// A scene and its session.
 pub(crate) struct Opened {
@@ -21,11 +20,8 @@ impl Opened {
     /// Reads the text of a scene file.
     pub(crate) fn read(text: &[u8], toml: bool, set: InstructionSet) -> Result<Self, Error> {
         let scene = files::read(text, format(toml))?;
-        let none = || Choice::new(DEFAULT.into(), Options::new());
-        let choice = scene.solver.clone().map_or_else(none, Ok)?;
-        let configured = configure(&choice, scene.array().quantization())?;
         let model = Model::of(&scene, set);
-        let session = Session::new(model.clone(), configured.solver, choice.balance.unwrap_or(configured.info.balance));
+        let session = Session::chosen(model.clone(), scene.solver.as_ref())?;
         let ask = SolveRequest::of_scene(&scene);
         Ok(Self { scene, model, session, ask, set })
     }

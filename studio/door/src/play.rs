@@ -25,7 +25,7 @@ impl Studio {
         let all = Frames { points: &around, targets: targets.as_deref(), count, margin };
         let mut kept = SolveRequest { aim: ask.aim, ..SolveRequest::default() };
         session.last().clear();
-        session.follow(all, true, &mut kept, &mut drives, &mut Control::none())?;
+        session.follow(all, &mut kept, &mut drives, &mut Control::none())?;
         let mut reported = Vec::with_capacity(3 * frames);
         let mut before: Option<&[Complex32]> = None;
         for (drive, points) in drives.chunks(transducers).zip(places.chunks(count)) {
