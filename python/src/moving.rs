@@ -32,7 +32,7 @@ pub(crate) fn bound_of(rate: f64, change: Argument<'_, '_>, change_rate: Argumen
 
 /// Returns the number of later frames that a solve knows, None for all. A closed sequence needs all.
 #[pyfunction]
-pub(crate) fn sight(ahead: &Bound<'_, PyAny>, closed: bool) -> PyResult<Option<u32>> {
+pub(crate) fn sight(ahead: &Bound<'_, PyAny>, closed: bool) -> PyResult<Option<usize>> {
     midair::sight(Some(&read::option("ahead", ahead)?), closed).map_err(refused)
 }
 

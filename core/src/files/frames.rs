@@ -89,7 +89,7 @@ fn npy(bytes: &[u8], cure: &str) -> Result<Frames, alloc::string::String> {
     };
     let points = numbers.as_chunks().0;
     if points.len() != frames.saturating_mul(count) {
-        return Err(format!("it has {} points: its shape ({shape}) needs more, save it again", points.len()));
+        return Err(format!("its shape is ({shape}), but it has {} points: give points (T, M, 3)", points.len()));
     }
     Ok((points.to_vec(), count))
 }

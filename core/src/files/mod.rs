@@ -43,7 +43,9 @@ use std::path::{Path, PathBuf};
 
 use crate::error::Error;
 use crate::files::source::BYTE_ORDER_MARK;
+use crate::kernels::InstructionSet;
 use crate::scene::Scene;
+use crate::session::Moving;
 
 /// Reads a scene from a file's bytes.
 ///
@@ -123,6 +125,32 @@ pub fn read_motion(
 ) -> Result<Option<Motion>, Error> {
     let (text, document) = parse(bytes, format, source)?;
     motion::motion((text, &document), format, source, draw).map_err(|fault| fault.reported(text, format, source))
+}
+
+/// Reads a document of points at rest or in motion. Returns the scene to be solved, and the frames of a motion, whose first is
+/// that of the scene.
+///
+/// # Errors
+/// The errors of [`read_from`], [`read_motion`] and [`Motion::moving`].
+pub fn open(
+    bytes: &[u8],
+    format: Format,
+    source: Source<'_>,
+    set: InstructionSet,
+) -> Result<(Scene, Option<Moving>), Error> {
+    let (text, document) = parse(bytes, format, source)?;
+    let draw = &mut drawn::undrawn;
+    let motion = motion::motion((text, &document), format, source, draw);
+    match motion.map_err(|fault| fault.reported(text, format, source))? {
+        None => {
+            let scene = read::scene(&document, source, draw).map_err(|fault| fault.reported(text, format, source))?;
+            Ok((scene, None))
+        }
+        Some(motion) => {
+            let moving = motion.moving(set)?;
+            Ok((moving.scene.clone(), Some(moving)))
+        }
+    }
 }
 
 /// Reads the document of a sweep as a tree of values, whose keys have been checked.

@@ -26,7 +26,7 @@ pub struct Motion {
     /// The rate of frames and the bound of phases.
     pub pace: Pace,
     /// The number of later frames with which each frame is chosen together; `None` for all.
-    pub ahead: Option<u32>,
+    pub ahead: Option<usize>,
     /// The document's text, its format and its name, for the places of errors.
     document: (String, Format, String),
 }

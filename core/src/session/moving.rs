@@ -13,7 +13,7 @@ use crate::kernels::InstructionSet;
 use crate::points::{Path, PathFrames};
 use crate::problem::Problem;
 use crate::propagation::Model;
-use crate::scene::{Aim, Choice, OptionValue, Options, Scene, Signature, Value};
+use crate::scene::{Aim, Choice, Options, Scene, Signature, Value};
 use crate::session::{Frames, Session, SolveRequest};
 use crate::solvers::registry;
 
@@ -87,7 +87,7 @@ impl Pace {
     pub fn bound(&self) -> Result<f64, Error> {
         match (self.change, self.change_rate) {
             (Some(_), Some(other)) => {
-                Err(Error::invalid("change_rate", other, "change is given, too: give one of them"))
+                Err(Error::invalid("change_rate", format_args!("{other:?}"), "change is given, too: give one of them"))
             }
             (None, Some(per_second)) => Ok(real("change_rate", per_second, 0.0, false)? / self.rate),
             (change, None) => real("change", change.unwrap_or(CHANGE), 0.0, false),
@@ -145,7 +145,13 @@ impl Moving {
     /// The number of frames T.
     #[must_use]
     pub fn frames(&self) -> usize {
-        self.points.len() / self.scene.points().len()
+        self.points.len() / self.count()
+    }
+
+    /// The number of points M in a frame.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.scene.points().len()
     }
 
     /// Returns a session of the solver that follows the points.
@@ -158,7 +164,7 @@ impl Moving {
 }
 
 impl Session {
-    /// Solves a range of frames, which follow those of the last call, and writes their drives (frames, N).
+    /// Solves a range of frames and writes their drives (frames, N). Frames that do not begin with 0 follow those of the last call.
     ///
     /// # Errors
     /// Frames beyond the last, and the errors of [`Session::follow`] with the number of the frame.
@@ -169,9 +175,12 @@ impl Session {
         drives: &mut [Complex32],
         control: &mut Control,
     ) -> Result<(), Error> {
-        let (count, frames, first) = (moving.scene.points().len(), moving.frames(), range.start);
+        let (count, frames, first) = (moving.count(), moving.frames(), range.start);
         if range.is_empty() || range.end > frames {
             return Err(Error::invalid("frames", format!("{range:?}"), format!("give some of {frames}")));
+        }
+        if first == 0 {
+            self.last.clear();
         }
         // The acceleration of stiff traps is that of the frames around. Outside an open sequence the points stand still.
         let stiff = moving.stiff && self.task.solver.remembers();
@@ -205,18 +214,23 @@ pub fn meant(plain: bool, aim: Option<Aim>, signature: Option<&Signature>) -> (A
 /// Returns the number of later frames that a solve knows; `None` for all. A closed sequence needs all.
 ///
 /// # Errors
-/// A number below 0, a word other than "all"; a closed sequence that does not know all.
-pub fn sight(ahead: Option<&Value>, closed: bool) -> Result<Option<u32>, Error> {
+/// No whole number of at least 0, a word other than "all"; a closed sequence that does not know all.
+pub fn sight(ahead: Option<&Value>, closed: bool) -> Result<Option<usize>, Error> {
     let frames = match ahead {
         Some(Value::Text(word)) if word == "all" => return Ok(None),
-        Some(value @ Value::Text(_)) => {
-            return Err(Error::invalid("ahead", value, "give a whole number of frames, or \"all\""));
+        None => 0,
+        Some(&Value::Integer(frames @ 0..)) => usize::try_from(frames).unwrap_or(usize::MAX),
+        Some(Value::Real(number)) => {
+            return Err(Error::invalid("ahead", format_args!("{number:?}"), "give a whole number"));
         }
-        other => other.map_or(Ok(0), |value| u32::read("ahead", value))?,
+        Some(word @ Value::Text(_)) => {
+            return Err(Error::invalid("ahead", word, "give a whole number of frames, or \"all\""));
+        }
+        Some(other) => return Err(Error::invalid("ahead", other, "give a whole number of at least 0")),
     };
     if closed {
-        let cure = format!("ahead is {frames}: give ahead = \"all\", that the last frame meets the first");
-        return Err(Error::invalid("closed", true, cure));
+        let cure = "give ahead = \"all\", that the last frame meets the first";
+        return Err(Error::invalid("closed", format!("true, but ahead is {frames}"), cure));
     }
     Ok(Some(frames))
 }

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, SceneError, Solution, Solver, sight, solvers
+from .._midair import Array, SceneError, Solution, Solver, numbers, sight, solvers
 from .._support.arguments import callback, number, refused, whole
 from ..path import Path, still
 from . import store
@@ -214,7 +214,8 @@ def modulated(
     if samples_rate is None:
         pace = number("frequency", frequency, above=0)
     else:
-        pace = number("samples_rate", samples_rate, above=0) / max(np.size(frequency), 1)
+        frequency = numbers("samples", frequency, [(-1,)], "give samples (S,) from 0 to 1", least=0, most=1)
+        pace = number("samples_rate", samples_rate, above=0) / len(frequency)
     # `numerator` frames contain `denominator` periods.
     ratio = Fraction(frames / pace).limit_denominator(1024)
     if ratio.numerator > MOST_KEPT or abs(float(ratio) * pace / frames - 1) > ROUNDING:
