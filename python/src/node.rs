@@ -5,7 +5,7 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyInt, PyList, PyString, PyTuple};
 
-use crate::numbers::{DEEPEST, Numbers, array};
+use crate::numbers::{DEEPEST, Numbers, REAL, array};
 
 /// Reads a table.
 pub(crate) fn table(table: &Bound<'_, PyDict>) -> PyResult<Node> {
@@ -46,7 +46,7 @@ fn entry(item: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<Node> {
     {
         return Ok(Node::Integer(number));
     }
-    let array = array(item, value, "iuf", "give numbers");
+    let array = array(item, value, REAL, "give numbers");
     // Lists that are no array of numbers are rejected by name later, at the first entry that is wrong.
     if array.is_err() && depth < DEEPEST && (value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>()) {
         return value.try_iter()?.map(|inner| entry(item, &inner?, depth + 1)).collect::<PyResult<_>>().map(Node::List);

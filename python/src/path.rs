@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::error::{invalid, refused};
-use crate::numbers::{numbers, quoted};
+use crate::numbers::{REAL, numbers, quoted};
 use crate::pickle::{Reduced, restored};
 use crate::{node, read};
 
@@ -58,7 +58,7 @@ impl Path {
     /// Returns values of all points at some times.
     fn each<'py, T: Send>(&self, times: &Bound<'py, PyAny>, of: fn(points::Moment) -> T) -> PyResult<Vec<T>> {
         let cure = "give a list of finite times in s";
-        let given = numbers::<f64>("times", times, read::REAL, cure)?;
+        let given = numbers::<f64>("times", times, REAL, cure)?;
         if given.shape.len() != 1 || !given.values.iter().all(|time| time.is_finite()) {
             return Err(invalid("times", &quoted(times), cure));
         }
