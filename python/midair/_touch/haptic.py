@@ -226,9 +226,9 @@ def _best(judge: _Judge, aim: str, most: float, ears: Mapping[str, Any] | None, 
         best.skin,
         best.name,
         aim,
-        _decibels(along.mean()),
-        _decibels(along.min()),
-        {one.name: _decibels(score(one.skin)) for one in found[len(tried) :]},
+        decibels(along.mean()),
+        decibels(along.min()),
+        {one.name: decibels(max(score(one.skin), 0)) for one in found[len(tried) :]},
         best.exposure,
     )
 
@@ -288,7 +288,7 @@ def _too_loud(found: _Found, ears: Mapping[str, Any] | None, limit: str | float)
     levels, drives = found.exposure, np.abs(found.played.drives)
     assert levels is not None
     steps = np.asarray((found.played.quantization or {})["amplitudes"])
-    least = levels.worst.spl + _decibels(steps[steps > 0].min() / drives.max())
+    least = levels.worst.spl + decibels(steps[steps > 0].min() / drives.max())
     cure = f'the least amplitude of the board gives {least:.1f} dB at "{levels.worst.name}", move away'
     return refused("limit", limit, cure)
 
@@ -300,16 +300,10 @@ class _Judge:
         self, array: Array, curve: Curve, rate: float, reach: float, sheet: Membrane, model: dict[str, Any]
     ) -> None:
         self._array, self.curve, self.rate, self._model = array, curve, rate, model
-        middle = (curve.places.min(axis=0) + curve.places.max(axis=0)) / 2
-        normal = int(np.abs(middle - array.positions.mean(axis=0)).argmax())
-        across = [axis for axis in range(3) if axis != normal]
-        size = float(np.ptp(curve.places, axis=0)[across].max()) + 2 * MARGIN
-        center = (float(middle[across[0]]), float(middle[across[1]]))
-        at = float(middle[normal])
+        self._plane = hand(curve.places, array, COARSE)
         #: The places of the curve, moved along the normal into the plane of the skin.
         self._under = np.array(curve.places)
-        self._under[:, normal] = at
-        self._plane = Plane(axis="xyz"[normal], at=at, size=size, pixels=COARSE, center=center)
+        self._under[:, "xyz".index(self._plane.axis)] = self._plane.at
         frames = max(round(rate / LAPS), 4)
         self.foci = Foci.beside(array, curve.places, self._plane, reach, sheet, rate, frames)
 
@@ -393,7 +387,3 @@ class _Judge:
         table = np.r_[0.0, steps]
         nearest: NDArray[np.float64] = table[np.abs(table - amplitudes[:, None]).argmin(axis=1)]
         return nearest
-
-
-def _decibels(strength: float) -> float:
-    return -math.inf if strength == -math.inf else float(20 * np.log10(max(strength, 1e-10)))

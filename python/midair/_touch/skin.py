@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import HIGHEST, REACH, Mesh, Plane, excess, felt_width, live_lines, strength
+from .._midair import HIGHEST, REACH, Mesh, Plane, decibels, excess, felt_width, live_lines, strength
+from .._midair import hand as hand_through
 from .._pictures.colours import MAPS
 from .._sequence import Sequence, arguments
 from .._sequence.felt import threshold
@@ -25,8 +26,8 @@ if TYPE_CHECKING:
     from .._pictures.colours import Map
     from .._pictures.sheet import Size
 
-#: Default hand: places per side of the plane, and its margin around the points in m.
-SIDE, MARGIN = 64, 0.02
+#: Places per side of the plane of the default hand.
+SIDE = 64
 
 #: The panels of a skin's picture.
 Panel = Literal["pressure", "motion", "spectrum"]
@@ -94,7 +95,7 @@ def skin(
         raise refused("sequence", sequence, "give a midair.Sequence")
     sheet, width, tau = model_of(speed, loss, mass, reach, tau)
     if hand is None:
-        hand = _around(sequence)
+        hand = hand_through(sequence.points[sequence.targets > 0], sequence.array, SIDE)
     if isinstance(hand, Plane):
         places, step = squares(hand), hand.size / max(hand.pixels - 1, 1)
         frequencies, pressure, lines = sequence._push_lines(places, tau)
@@ -173,7 +174,7 @@ class Skin:
     @property
     def level(self) -> float:
         """Strength at the strongest place, in dB above what is just felt."""
-        return float(_decibels(self.strength.max()))
+        return decibels(self.strength.max())
 
     @property
     def rms(self) -> NDArray[np.float64]:
@@ -368,61 +369,8 @@ class Skin:
         spectrum = ", ".join(f"{1e6 * lines[k]:.3g} um at {self.frequencies[k]:.4g} Hz" for k in largest)
         return [
             ("strongest", f"{self.level:.1f} dB above threshold at ({x:.1f}, {y:.1f}, {z:.1f}) mm"),
-            ("slow channel", f"{_decibels(self.slow[best]):.1f} dB there"),
-            ("fast channel", f"{_decibels(self.fast[best]):.1f} dB there"),
+            ("slow channel", f"{decibels(self.slow[best]):.1f} dB there"),
+            ("fast channel", f"{decibels(self.fast[best]):.1f} dB there"),
             ("width", f"{1e3 * self.width():.1f} mm felt, {1e3 * self.focus_width():.1f} mm of pressure"),
             ("displacement", spectrum or "none"),
         ]
-
-
-def _decibels(strength: float) -> float:
-    return float(20 * np.log10(max(strength, 1e-10)))
-
-
-def _around(sequence: Sequence) -> Plane:
-    """Return a plane through all points that are present, which faces the array."""
-    points = sequence.points[sequence.targets > 0]
-    middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    way = np.abs(middle - sequence.array.positions.mean(axis=0))
-    normal = int(way.argmax())
-    across = [axis for axis in range(3) if axis != normal]
-    size = float(np.ptp(points, axis=0)[across].max()) + 2 * MARGIN
-    center = (float(middle[across[0]]), float(middle[across[1]]))
-    return Plane(axis="xyz"[normal], at=float(middle[normal]), size=size, pixels=SIDE, center=center)
-
-
-def _draw(skin: Skin, panel: Panel, ax: Axes, colours: Map, best: int) -> None:
-    """Draw a panel. The place `best` is marked."""
-    if panel == "pressure":
-        _map(skin, ax, skin.pressure, "radiation pressure, mean / Pa", colours)
-        return
-    if panel == "motion":
-        _map(skin, ax, 1e6 * skin.rms, "skin motion, rms / um", colours)
-        first, second = _widest(skin)
-        ax.plot(1e3 * skin.places[best, first], 1e3 * skin.places[best, second], "+", color="tab:cyan")
-        return
-    lines = 1e6 * np.abs(skin.displacement[:, best])
-    audible = np.geomspace(3, HIGHEST, 200)
-    ax.vlines(skin.frequencies, 1e-4, np.maximum(lines, 1e-4), color="tab:blue", label="skin at +")
-    ax.plot(audible, 1e6 * threshold(audible), color="black", linewidth=0.9, label="just felt")
-    ax.set(xscale="log", yscale="log", xlim=(3, HIGHEST), ylim=(1e-2, 100))
-    ax.set(xlabel="frequency / Hz", ylabel="displacement / um", title=f"{skin.level:.0f} dB at most")
-    ax.legend(loc="lower left", fontsize="small")
-
-
-def _widest(skin: Skin) -> list[int]:
-    """Return the two axes along which the places, or the mesh, extend most."""
-    sides = np.ptp(skin.places, axis=0)
-    return [axis for axis in range(3) if axis != int(sides.argmin())]
-
-
-def _map(skin: Skin, ax: Axes, values: NDArray[np.float64], label: str, colours: Map) -> None:
-    from matplotlib.tri import Triangulation
-
-    first, second = _widest(skin)
-    x, y = 1e3 * skin.places[:, first], 1e3 * skin.places[:, second]
-    faces = skin.hand.faces if isinstance(skin.hand, Mesh) else None
-    drawn = ax.tripcolor(Triangulation(x, y, faces), values, cmap=colours, shading="gouraud")
-    ax.margins(0)
-    ax.set(aspect="equal", xlabel=f"{'xyz'[first]} / mm", ylabel=f"{'xyz'[second]} / mm")
-    ax.figure.colorbar(drawn, ax=ax, label=label)
