@@ -26,7 +26,7 @@ pub(crate) fn read_bead(value: &Bound<'_, PyAny>) -> PyResult<Bead> {
             None => gravity = Some(read::place(&item, &value)?),
         }
     }
-    Bead::of(&numbers, gravity).map_err(refused)
+    Bead::default().with(&numbers, gravity).map_err(refused)
 }
 
 /// Returns a dict with all keys of a bead.
