@@ -138,7 +138,7 @@ def _values(options: dict[str, str]) -> dict[str, Any]:
             )
         if key not in methods and (meant := nearest(key, own)):
             words = "is no option of midair solve or of a method"
-            raise stated(f"--{name}", words, f"did you mean --{meant}?", code="unknown")
+            raise stated(f"--{name}", words, f"did you mean --{meant}?")
         try:
             value = json_text.loads(text)
         except (ValueError, RecursionError):

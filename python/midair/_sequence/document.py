@@ -136,7 +136,9 @@ def _frames(file: Path) -> NDArray[np.float64]:
     frames, count = (int(rows[:, column].max()) + 1 for column in (0, 1))
     if frames * count > len(rows):
         raise stated(
-            "", file, f"{frames} frames of {count} points need {frames * count} rows, {len(rows)} are there"
+            "",
+            str(file),
+            f"{frames} frames of {count} points need {frames * count} rows, {len(rows)} are there",
         )
     places = rows[:, 0].astype(int) * count + rows[:, 1].astype(int)
     once, first = np.unique(places, return_index=True)

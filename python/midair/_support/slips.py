@@ -163,8 +163,8 @@ def _slip(
             line = str(unknown_name(f"argument of {name}", keyword, known))
             return TypeError(line if known else f'{name} takes no keywords: leave "{keyword}" out')
         # Other keywords are a solver's options. An unknown one may be a mistyped argument's name.
-        named = isinstance(error, SceneError) and error.code == "unknown" and error.value == keyword
-        if named and (meant := nearest(keyword, known)):
+        refused = isinstance(error, SceneError) and error.code == "unknown" and error.value == keyword
+        if refused and (meant := nearest(keyword, known)):
             return restated(error, meant=meant)
     # Python's own error names the private function.
     reason = isinstance(error, TypeError) and _unbound(signature, arguments, keywords)
