@@ -135,11 +135,8 @@ def _frames(file: Path) -> NDArray[np.float64]:
             raise wrong(bad[0], f"{name} is {value}", "count them 0, 1, 2, ...")
     frames, count = (int(rows[:, column].max()) + 1 for column in (0, 1))
     if frames * count > len(rows):
-        raise stated(
-            "",
-            str(file),
-            f"{frames} frames of {count} points need {frames * count} rows, {len(rows)} are there",
-        )
+        needed = f"{frames} frames of {count} points need {frames * count} rows"
+        raise stated("", str(file), f"{needed}, {len(rows)} are there")
     places = rows[:, 0].astype(int) * count + rows[:, 1].astype(int)
     once, first = np.unique(places, return_index=True)
     if len(once) < len(places):
