@@ -96,7 +96,11 @@ impl<'a> Frames<'a> {
             let together = model.clone().with_signature(signature);
             let propagation = together.driven(&(begin..end).map(place).collect::<Vec<_>>())?;
             let named = |error: Error| match error.index {
-                Some(point) => error.about(format!("points{}", name(begin + point))),
+                Some(point) => {
+                    let mut error = error.about(format!("points{}", name(begin + point)));
+                    error.index = Some((begin + point) / each);
+                    error
+                }
                 None => error,
             };
             propagation.reach(&mut reach, None, control).map_err(named)?;

@@ -154,7 +154,7 @@ class Tacton:
         try:
             found = self._at(time, moment, self._lookup(parameters), matrix)
         except (ArithmeticError, ValueError) as error:
-            raise stated("pattern", f"gives no number at {moment.pattern:.6g} ms", error) from error
+            raise stated("pattern", f"gives no number at {moment.pattern:.6g} ms", str(error)) from error
         if not all(map(math.isfinite, (*found.point, found.intensity, *found.moment))):
             raise stated(
                 "pattern", f"gives no finite point at {moment.pattern:.6g} ms", "look at its formulas"

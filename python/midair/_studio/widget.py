@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import anywidget
 import traitlets
 
@@ -17,6 +19,6 @@ class Widget(anywidget.AnyWidget):
     #: Scene that the page shows, with method A, as JSON, after each change; "" until the page has started.
     state = traitlets.Unicode().tag(sync=True)
     #: Methods A and B.
-    methods = traitlets.List().tag(sync=True)
+    methods: Any = traitlets.List().tag(sync=True)
     #: Metrics by method.
     metrics = traitlets.Dict().tag(sync=True)

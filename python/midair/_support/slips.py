@@ -160,12 +160,18 @@ def _slip(
         if keyword in named:
             continue
         if _unbound(signature, arguments, keywords):
-            line = str(unknown_name(f"argument of {name}", keyword, known))
-            return TypeError(line if known else f'{name} takes no keywords: leave "{keyword}" out')
+            reported = unknown_name(f"argument of {name}", keyword, known)
+            line = str(reported) if known else f'{name} takes no keywords: leave "{keyword}" out'
+            # The function that passed the keyword on may know a better name.
+            slip = TypeError(line)
+            vars(slip)["reported"] = reported
+            return slip
         # Other keywords are a solver's options. An unknown one may be a mistyped argument's name.
-        refused = isinstance(error, SceneError) and error.code == "unknown" and error.value == keyword
-        if refused and (meant := nearest(keyword, known)):
-            return restated(error, meant=meant)
+        cause = vars(error).get("reported", error)
+        unknown = isinstance(cause, SceneError) and cause.code == "unknown" and cause.value == keyword
+        if unknown and (meant := nearest(keyword, known)):
+            better = restated(cause, meant=meant)
+            return better if cause is error else TypeError(str(better))
     # Python's own error names the private function.
     reason = isinstance(error, TypeError) and _unbound(signature, arguments, keywords)
     return TypeError(f"{name}: {reason}") if reason else None
