@@ -156,7 +156,7 @@ class Page:
 
     async def report(self) -> None:
         """Send the touches that were played, the error that ended them, and pings, one after another."""
-        live, told = self._player.live, None
+        live, failed = self._player.live, None
         pong: Any = None
         self._player.pages.add(self)
         try:
@@ -165,8 +165,8 @@ class Page:
                 touches = [self.reported.popleft() for _ in range(len(self.reported))]
                 if touches:
                     self.send("playback_update", evals=[_evaluated(touch) for touch in touches])
-                if told != (told := live.failed) and told is not None and told[0] is self.client:
-                    self.send("error", message=told[1][:MOST_TEXT])
+                if failed != (failed := live.failed) and failed is not None and failed[0] is self.client:
+                    self.send("error", message=failed[1][:MOST_TEXT])
                 if pong is None or pong.done():
                     with live.life() as life:
                         life.sign(self.client, self.client.arrived)
