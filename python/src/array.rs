@@ -13,7 +13,7 @@ use crate::getters::getters;
 use crate::give::rows;
 use crate::numbers::quoted;
 use crate::parts::{self, Given};
-use crate::pickle::{Reduced, called, restored};
+use crate::pickle::{Reduced, called, pickled};
 use crate::read;
 use crate::ready::{Kept, Ready};
 
@@ -290,25 +290,10 @@ pub(crate) struct PresetInfo {
     board: Option<String>,
 }
 
+pickled!(PresetInfo: summary: String, source: String, count: usize, tiles: bool, source_pressure: f64, board: Option<String>);
+
 #[pymethods]
 impl PresetInfo {
-    #[staticmethod]
-    fn _restore(
-        summary: String,
-        source: String,
-        count: usize,
-        tiles: bool,
-        source_pressure: f64,
-        board: Option<String>,
-    ) -> Self {
-        Self { summary, source, count, tiles, source_pressure, board }
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        let Self { summary, source, count, tiles, source_pressure, board } = self;
-        restored::<Self>(py, (summary, source, count, tiles, source_pressure, board))
-    }
-
     fn __repr__(&self) -> String {
         format!("<{} transducers: {}>", self.count, self.summary)
     }

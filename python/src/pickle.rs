@@ -33,3 +33,23 @@ pub(crate) fn called<'py>(call: Bound<'py, PyTuple>, keywords: &Bound<'py, PyDic
     let partial = py.import("functools")?.call_method("partial", call, Some(keywords))?;
     Ok((partial, PyTuple::empty(py)))
 }
+
+/// Pickles a class as its fields, which are listed with their types.
+macro_rules! pickled {
+    ($class:ident: $($field:ident: $type:ty),+) => {
+        #[pymethods]
+        impl $class {
+            #[staticmethod]
+            #[allow(clippy::too_many_arguments, reason = "as many as it has fields")]
+            fn _restore($($field: $type),+) -> Self {
+                Self { $($field),+ }
+            }
+
+            fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<$crate::pickle::Reduced<'py>> {
+                $crate::pickle::restored::<Self>(py, ($(&self.$field,)+))
+            }
+        }
+    };
+}
+
+pub(crate) use pickled;

@@ -4,7 +4,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::give;
-use crate::pickle::{Reduced, restored};
+use crate::pickle::pickled;
 
 /// Capability of an array at a scene's points; from `Scene.reach`.
 ///
@@ -21,6 +21,8 @@ pub(crate) struct Reach {
     pub(crate) level: Vec<f64>,
 }
 
+pickled!(Reach: alone: Vec<f64>, level: Vec<f64>);
+
 #[pymethods]
 impl Reach {
     /// The highest pressure at each point alone (M,) in Pa: the sum of |G|.
@@ -34,15 +36,6 @@ impl Reach {
     #[getter]
     fn level<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         give::list(py, self.level.clone())
-    }
-
-    #[staticmethod]
-    fn _restore(alone: Vec<f64>, level: Vec<f64>) -> Self {
-        Self { alone, level }
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        restored::<Self>(py, (&self.alone, &self.level))
     }
 
     fn __repr__(&self) -> String {

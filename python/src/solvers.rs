@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::getters::getters;
-use crate::pickle::{Reduced, restored};
+use crate::pickle::pickled;
 use crate::read;
 
 /// Option of a solver; from `midair.solvers`.
@@ -28,17 +28,10 @@ pub(crate) struct OptionInfo {
     list: bool,
 }
 
+pickled!(OptionInfo: default: Py<PyAny>, doc: String, words: Vec<String>, list: bool);
+
 #[pymethods]
 impl OptionInfo {
-    #[staticmethod]
-    fn _restore(default: Py<PyAny>, doc: String, words: Vec<String>, list: bool) -> Self {
-        Self { default, doc, words, list }
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        restored::<Self>(py, (&self.default, &self.doc, &self.words, self.list))
-    }
-
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> PyResult<bool> {
         let Ok(other) = other.cast::<Self>() else { return Ok(false) };
         let parts = |info: &Self| (info.doc.clone(), info.words.clone(), info.list);
@@ -79,25 +72,10 @@ pub(crate) struct SolverInfo {
     options: Py<PyDict>,
 }
 
+pickled!(SolverInfo: name: String, summary: String, source: String, balance: bool, uses: [bool; 3], options: Py<PyDict>);
+
 #[pymethods]
 impl SolverInfo {
-    #[staticmethod]
-    fn _restore(
-        name: String,
-        summary: String,
-        source: String,
-        balance: bool,
-        uses: [bool; 3],
-        options: Py<PyDict>,
-    ) -> Self {
-        Self { name, summary, source, balance, uses, options }
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        let Self { name, summary, source, balance, uses, options } = self;
-        restored::<Self>(py, (name, summary, source, *balance, *uses, options))
-    }
-
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> PyResult<bool> {
         let Ok(other) = other.cast::<Self>() else { return Ok(false) };
         let texts = |info: &Self| (info.name.clone(), info.summary.clone(), info.source.clone());
