@@ -23,7 +23,7 @@ PYTHON = [
         "scenes",
         "Arrays and scenes",
         "A request: transducers, points, the air, and obstacles in it.",
-        f"Array presets PresetInfo Scene Reach Plane {' '.join(midair._midair.bodies())} Mesh Propagation "
+        f"Array presets PresetInfo Scene Bead Reach Plane {' '.join(midair._midair.bodies())} Mesh Propagation "
         "SceneError SceneWarning",
     ),
     (

@@ -8,7 +8,7 @@ from typing import Any, Literal, TypeAlias, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._midair import Array, Plane
+from ._midair import Array, Bead, Plane
 
 _Directivity: TypeAlias = str | dict[str, float]
 _Quantization: TypeAlias = dict[str, int | ArrayLike | None]
@@ -81,7 +81,7 @@ class Radiating:
 
 class _Request(Keys, total=False):
     signature: str | ArrayLike | Sequence[str | None] | None
-    bead: Mapping[str, Any] | None
+    bead: Bead | Mapping[str, Any] | None
     obstacles: Iterable[Any] | None
 
 class Changes(_Request, total=False):

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _midair
-from ._midair import Array, Scene, Solution
+from ._midair import Array, Bead, Scene, Solution
 from ._support import slips
 
 __all__ = ["Gradient", "amplitude", "force", "gorkov", "pressure", "radiation", "stiffness"]
@@ -193,9 +193,7 @@ def gorkov(
     points: ArrayLike | None = None,
     cotangent: ArrayLike = 1.0,
     *,
-    radius: float | None = None,
-    density: float | None = None,
-    sound_speed: float | None = None,
+    bead: Bead | Mapping[str, Any] | None = None,
 ) -> Gradient:
     """Compute Gor'kov's potential U in J of a small sphere at points, and its gradients.
 
@@ -205,8 +203,8 @@ def gorkov(
         As for `pressure`.
     cotangent : (M,) array_like, optional
         dL/dU, real, or one number for all points.
-    radius, density, sound_speed : float, optional
-        Properties of the sphere, as for `midair.gorkov`. The gradient `sound_speed` is that of the air.
+    bead : midair.Bead or mapping, optional
+        The sphere; by default the scene's. The gradient `sound_speed` is that of the air.
 
     Returns
     -------
@@ -228,8 +226,7 @@ def gorkov(
     >>> bool(abs(by.points + force).max() < 1e-9 * abs(force).max())
     True
     """
-    bead = (radius, density, sound_speed)
-    return Gradient(*_midair.gradient("gorkov", scene, drive, points, cotangent, *bead))
+    return Gradient(*_midair.gradient("gorkov", scene, drive, points, cotangent, bead))
 
 
 def force(
@@ -238,9 +235,7 @@ def force(
     points: ArrayLike | None = None,
     cotangent: ArrayLike = 1.0,
     *,
-    radius: float | None = None,
-    density: float | None = None,
-    sound_speed: float | None = None,
+    bead: Bead | Mapping[str, Any] | None = None,
 ) -> Gradient:
     """Compute the force -grad U in N on a small sphere at points, without its weight, and its gradients.
 
@@ -250,8 +245,8 @@ def force(
         As for `pressure`.
     cotangent : (M, 3) array_like, optional
         dL by the force, real, or one number for all points.
-    radius, density, sound_speed : float, optional
-        Properties of the sphere, as for `gorkov`.
+    bead : midair.Bead or mapping, optional
+        The sphere, as for `gorkov`.
 
     Returns
     -------
@@ -270,8 +265,7 @@ def force(
     >>> by.value.shape, by.points.shape
     ((1, 3), (1, 3))
     """
-    bead = (radius, density, sound_speed)
-    return Gradient(*_midair.gradient("force", scene, drive, points, cotangent, *bead))
+    return Gradient(*_midair.gradient("force", scene, drive, points, cotangent, bead))
 
 
 def stiffness(
@@ -280,9 +274,7 @@ def stiffness(
     points: ArrayLike | None = None,
     cotangent: ArrayLike = 1.0,
     *,
-    radius: float | None = None,
-    density: float | None = None,
-    sound_speed: float | None = None,
+    bead: Bead | Mapping[str, Any] | None = None,
 ) -> Gradient:
     """Compute the stiffness -dF/ds in N/m of a small sphere at points along x, y and z, and its gradients.
 
@@ -292,8 +284,8 @@ def stiffness(
         As for `pressure`.
     cotangent : (M, 3) array_like, optional
         dL by the stiffness, real, or one number for all points.
-    radius, density, sound_speed : float, optional
-        Properties of the sphere, as for `gorkov`.
+    bead : midair.Bead or mapping, optional
+        The sphere, as for `gorkov`.
 
     Returns
     -------
@@ -312,15 +304,14 @@ def stiffness(
     >>> by.value.shape, by.drive.shape
     ((1, 3), (1,))
     """
-    bead = (radius, density, sound_speed)
-    return Gradient(*_midair.gradient("stiffness", scene, drive, points, cotangent, *bead))
+    return Gradient(*_midair.gradient("stiffness", scene, drive, points, cotangent, bead))
 
 
 def run(
     quantity: str,
     scene: _Subject,
     given: Mapping[str, Any],
-    bead: Mapping[str, float] | None,
+    bead: Bead | Mapping[str, Any] | None,
     cotangent: ArrayLike | None = None,
 ) -> tuple[Any, ...]:
     """Return the value of a quantity and, with a cotangent, its gradients.
@@ -342,10 +333,10 @@ def run(
             places = (given.get("positions", array.positions), given.get("normals", array.normals))
             parts = {name: getattr(array, name) for name in _midair.array_parts()}
             array = Array(*(np.asarray(place, float) for place in places), **parts)
-        obstacles = None if isinstance(own, Array) else cast(Scene, own).obstacles
-        subject = Scene(array, points, obstacles=obstacles, **air)
+        around = {} if isinstance(own, Array) else {"obstacles": own.obstacles, "bead": own.bead}
+        subject = Scene(array, points, **around, **air)
     drive = np.asarray(given["drive"])
-    found = _midair.gradient(quantity, subject, drive, points, cotangent, **dict(bead or {}))
+    found = _midair.gradient(quantity, subject, drive, points, cotangent, bead)
     if len(found) > 1 and "normals" in given:
         # `Array` normalises the normals, so the gradient is divided by their lengths.
         length = np.linalg.norm(np.asarray(given["normals"], float), axis=1, keepdims=True)

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._midair import Array, Scene, Solution
+from ._midair import Array, Bead, Scene, Solution
 from ._support import slips
 from ._support.arguments import needs
 from .grad import NAMES, run
@@ -81,7 +81,7 @@ def field(
     positions: Any = None,
     normals: Any = None,
     sound_speed: Any = None,
-    bead: Mapping[str, float] | None = None,
+    bead: Bead | Mapping[str, Any] | None = None,
 ) -> "torch.Tensor":
     """Compute a quantity of the field of a drive at points, as a tensor with gradients.
 
@@ -100,8 +100,8 @@ def field(
         Replace those of the array; a normal may have any length.
     sound_speed : float or tensor, optional
         Sound speed in m/s; replaces that of the air.
-    bead : mapping, optional
-        radius, density and sound_speed of the sphere for forces, as in `midair.gorkov`.
+    bead : midair.Bead or mapping, optional
+        The sphere for forces; by default the scene's.
 
     Returns
     -------

@@ -1,23 +1,164 @@
-//! The argument `bead`, the sphere for which traps are made: conversion from Python and back.
+//! `midair.Bead`, the sphere for which traps are made, and the argument `bead`.
 
-use midair::{Bead, Particle};
+use std::hash::{Hash, Hasher};
+
+use midair::{Bead as Core, Particle, poised};
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
+use pyo3::types::PyDict;
 
+use crate::ctrl_c::attend;
 use crate::error::{invalid, refused};
+use crate::getters::getters;
+use crate::give;
 use crate::numbers::quoted;
+use crate::pickle::{Reduced, restored};
 use crate::read;
+use crate::scene::Scene;
 
-/// Reads a bead from a dict; missing keys have their defaults.
-pub(crate) fn read_bead(value: &Bound<'_, PyAny>) -> PyResult<Bead> {
-    let Ok(given) = value.cast::<PyDict>() else {
-        return Err(invalid("bead", &quoted(value), "give a dict such as {\"radius\": 1e-3, \"density\": 29}"));
-    };
+type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// Small sphere that sound holds, and the gravity that acts on it.
+///
+/// Functions with an argument `bead` take one, or a dict of its parameters. The default is expanded polystyrene, 2 mm across.
+///
+/// Parameters
+/// ----------
+/// radius : float, optional
+///     Radius in m.
+/// density : float, optional
+///     Density in kg/m^3; that of polystyrene foam is 29 (Marzo et al., Nature Communications 6, 8661, 2015).
+/// sound_speed : float, optional
+///     Sound speed in the sphere in m/s.
+/// gravity : (3,) array_like, optional
+///     Gravity in m/s^2.
+///
+/// Raises
+/// ------
+/// SceneError
+///     For a number that is not above 0, and a gravity that is not finite.
+///
+/// Examples
+/// --------
+/// >>> import midair
+/// >>> water = midair.Bead(radius=0.5e-3, density=998, sound_speed=1481)
+/// >>> boards = midair.Array.preset("openmpd_pair", quantization={})
+/// >>> scene = midair.Scene(boards, [[0, 0, 0]], signature="trap", bead=water)
+/// >>> bool(midair.solve(scene).rest().held[0]), scene.bead == water
+/// (True, True)
+#[pyclass(frozen, eq, hash, module = "midair")]
+#[derive(Clone, PartialEq)]
+pub(crate) struct Bead(pub(crate) Core);
+
+impl Hash for Bead {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        // Equal values need equal hashes, and 0 equals -0: adding 0 turns -0 into 0.
+        self.0.particle.numbers().for_each(|(_, value)| (value + 0.0).to_bits().hash(state));
+    }
+}
+
+#[pymethods]
+impl Bead {
+    #[staticmethod]
+    #[pyo3(
+        name = "_new",
+        signature = (radius=None, density=None, sound_speed=None, gravity=None),
+        text_signature = "(radius=1e-3, density=29, sound_speed=900, gravity=(0, 0, -9.81))"
+    )]
+    fn new(
+        radius: Argument<'_, '_>,
+        density: Argument<'_, '_>,
+        sound_speed: Argument<'_, '_>,
+        gravity: Argument<'_, '_>,
+    ) -> PyResult<Self> {
+        let all = [("radius", radius), ("density", density), ("sound_speed", sound_speed), ("gravity", gravity)];
+        of(all.into_iter().filter_map(|(name, value)| Some((name.into(), value?.clone())))).map(Self)
+    }
+
+    #[staticmethod]
+    fn _restore(radius: f64, density: f64, sound_speed: f64, gravity: [f64; 3]) -> Self {
+        Self(Core { particle: Particle { radius, density, sound_speed }, gravity })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        let Core { particle: Particle { radius, density, sound_speed }, gravity } = self.0;
+        restored::<Self>(py, (radius, density, sound_speed, gravity))
+    }
+
+    fn __repr__(&self) -> String {
+        let numbers = self.0.particle.numbers().map(|(name, value)| format!("{name}={value:?}, "));
+        let [x, y, z] = self.0.gravity;
+        format!("Bead({}gravity=({x:?}, {y:?}, {z:?}))", numbers.collect::<String>())
+    }
+}
+
+getters! {
+    Bead:
+
+    /// Radius in m.
+    radius(self) -> f64 = self.0.particle.radius;
+
+    /// Density in kg/m^3.
+    density(self) -> f64 = self.0.particle.density;
+
+    /// Sound speed in the sphere in m/s.
+    sound_speed(self) -> f64 = self.0.particle.sound_speed;
+
+    /// Gravity (x, y, z) in m/s^2.
+    gravity(self) -> (f64, f64, f64) = self.0.gravity.into();
+}
+
+#[pymethods]
+impl Scene {
+    /// Returns the effective mass in kg of the bead.
+    fn _mass(&self) -> f64 {
+        self.inner.bead().particle.mass(self.inner.medium())
+    }
+
+    /// Returns the forces (K, 3) in N, without weight and buoyancy, that cause these velocities and accelerations (K, 3) of the
+    /// bead.
+    fn _needed<'py>(
+        &self,
+        velocities: &Bound<'py, PyAny>,
+        accelerations: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (Core { particle, .. }, medium) = (self.inner.bead(), self.inner.medium());
+        let pair = (read::vectors("velocities", velocities)?, read::vectors("accelerations", accelerations)?);
+        let needed: Vec<_> = pair.0.iter().zip(&pair.1).map(|(&v, &a)| particle.needed(medium, v, a)).collect();
+        give::rows(velocities.py(), &needed)
+    }
+
+    /// Returns the place (3,) near a point where a trap gives the bead `force` (3,) in N in addition to the weight, or None.
+    fn _poised<'py>(
+        &self,
+        drive: &Bound<'py, PyAny>,
+        point: [f64; 3],
+        force: [f64; 3],
+    ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
+        let (py, model, bead) = (drive.py(), self.model(), self.inner.bead());
+        let drive = read::drive("drive", drive)?;
+        let found = attend(py, None, |mut control| poised(&model, &drive, point, bead, force, &mut control))?;
+        Ok(found.map(|place| give::list(py, place.to_vec())))
+    }
+}
+
+/// Reads a `midair.Bead`, or a dict of its parameters.
+pub(crate) fn read_bead(value: &Bound<'_, PyAny>) -> PyResult<Core> {
+    if let Ok(bead) = value.cast::<Bead>() {
+        return Ok(bead.get().0);
+    }
+    match value.cast::<PyDict>() {
+        Ok(given) => of(given.iter().map(|(name, value)| (name.to_string(), value))),
+        Err(_) => Err(invalid("bead", &quoted(value), "give midair.Bead(radius=1e-3, density=29), or a dict of these")),
+    }
+}
+
+/// Makes a bead from its parameters; missing ones have their defaults.
+fn of<'py>(given: impl Iterator<Item = (String, Bound<'py, PyAny>)>) -> PyResult<Core> {
     let (mut numbers, mut gravity) = (Vec::new(), None);
-    for (name, value) in given.iter() {
-        let name = name.to_string();
-        let Some(key) = Bead::KEYS.iter().find(|key| key.name == name) else {
-            let known = Bead::KEYS.iter().map(|key| key.name);
+    for (name, value) in given {
+        let Some(key) = Core::KEYS.iter().find(|key| key.name == name) else {
+            let known = Core::KEYS.iter().map(|key| key.name);
             return Err(refused(midair::Error::unknown("key of bead", name, known)));
         };
         let item = format!("bead.{name}");
@@ -26,12 +167,5 @@ pub(crate) fn read_bead(value: &Bound<'_, PyAny>) -> PyResult<Bead> {
             None => gravity = Some(read::place(&item, &value)?),
         }
     }
-    Bead::of(&numbers, gravity).map_err(refused)
-}
-
-/// Returns a dict with all keys of a bead.
-pub(crate) fn shown_bead(py: Python<'_>, bead: Bead) -> PyResult<Bound<'_, PyDict>> {
-    let dict = bead.particle.numbers().collect::<Vec<_>>().into_py_dict(py)?;
-    dict.set_item("gravity", bead.gravity.to_vec())?;
-    Ok(dict)
+    Core::of(&numbers, gravity).map_err(refused)
 }

@@ -3,97 +3,16 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use midair::flight::{BeadStart, Course as Inner, Envelope};
-use midair::{Complex32, Complex64, Medium, Particle, poised};
+use midair::{Complex32, Complex64};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::ctrl_c::attend;
-use crate::error::{invalid, refused, warn_all};
+use crate::error::{refused, warn_all};
 use crate::give;
-use crate::gorkov::GRAVITY;
 use crate::limits;
 use crate::read;
 use crate::scene::Scene;
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
-
-/// A small sphere in the air of a scene, with the properties that `midair.gorkov` takes.
-#[pyclass(frozen, module = "midair._midair")]
-pub(crate) struct Bead {
-    inner: midair::Bead,
-    medium: Medium,
-}
-
-#[pymethods]
-impl Bead {
-    #[new]
-    #[pyo3(signature = (scene, radius=None, density=None, sound_speed=None, gravity=None))]
-    fn new<'py>(
-        scene: &Bound<'py, Scene>,
-        radius: Argument<'_, 'py>,
-        density: Argument<'_, 'py>,
-        sound_speed: Argument<'_, 'py>,
-        gravity: Argument<'_, 'py>,
-    ) -> PyResult<Self> {
-        let default = Particle::default();
-        let positive = |item: &str, value: Argument<'_, 'py>, own: f64| match read::real_or(item, value, own)? {
-            value if value > 0.0 && value.is_finite() => Ok(value),
-            value => Err(invalid(item, &value.to_string(), "give a number above 0")),
-        };
-        let particle = Particle {
-            radius: positive("radius", radius, default.radius)?,
-            density: positive("density", density, default.density)?,
-            sound_speed: positive("sound_speed", sound_speed, default.sound_speed)?,
-        };
-        let gravity = gravity.map_or(Ok(GRAVITY), |gravity| read::place("gravity", gravity))?;
-        let medium = scene.get().inner.medium();
-        warn_all(scene.py(), particle.remark(medium))?;
-        Ok(Self { inner: midair::Bead { particle, gravity }, medium })
-    }
-
-    /// Effective mass in kg: the bead's own mass and half the mass of the air that it displaces.
-    #[getter]
-    fn mass(&self) -> f64 {
-        self.inner.particle.mass(self.medium)
-    }
-
-    /// Returns the forces (K, 3) in N, without weight and buoyancy, that cause these velocities and accelerations (K, 3).
-    fn needed<'py>(
-        &self,
-        py: Python<'py>,
-        velocities: Bound<'py, PyAny>,
-        accelerations: Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let (velocities, accelerations) =
-            (read::vectors("velocities", &velocities)?, read::vectors("accelerations", &accelerations)?);
-        let each = velocities.iter().zip(&accelerations);
-        let needed: Vec<_> = each.map(|(&v, &a)| self.inner.particle.needed(self.medium, v, a)).collect();
-        give::rows(py, &needed)
-    }
-
-    /// Returns arguments of `midair.rest` for the bead.
-    fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let Particle { radius, density, sound_speed } = self.inner.particle;
-        let keywords = [("radius", radius), ("density", density), ("sound_speed", sound_speed)].into_py_dict(py)?;
-        keywords.set_item("gravity", self.inner.gravity)?;
-        Ok(keywords)
-    }
-
-    /// Returns the place (3,) near a point where a trap gives `force` (3,) in N in addition to the weight, or None.
-    fn poised<'py>(
-        &self,
-        scene: &Bound<'py, Scene>,
-        drive: Bound<'py, PyAny>,
-        point: [f64; 3],
-        force: [f64; 3],
-    ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
-        let (model, drive) = (scene.get().model(), read::drive("drive", &drive)?);
-        let found =
-            attend(scene.py(), None, |mut control| poised(&model, &drive, point, self.inner, force, &mut control))?;
-        Ok(found.map(|place| give::list(scene.py(), place.to_vec())))
-    }
-}
 
 /// Response of transducers with the time constant `tau` in s to drives at `rate` frames/s, which stay for their frame or, if
 /// `linear`, move to the next one during it. See the core's `Envelope`.
@@ -214,14 +133,9 @@ impl Course {
     }
 
     /// Returns the places (B, 3) in m at which beads move with some points (B,) from the start on.
-    fn resting<'py>(
-        &self,
-        scene: &Bound<'py, Scene>,
-        bead: &Bead,
-        points: Vec<usize>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let (py, model) = (scene.py(), scene.get().model());
-        let found = attend(py, None, |mut control| self.inner().resting(&model, bead.inner, &points, &mut control))?;
+    fn resting<'py>(&self, scene: &Bound<'py, Scene>, points: Vec<usize>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (py, model, bead) = (scene.py(), scene.get().model(), scene.get().inner.bead());
+        let found = attend(py, None, |mut control| self.inner().resting(&model, bead, &points, &mut control))?;
         give::rows(py, &found)
     }
 
@@ -229,20 +143,20 @@ impl Course {
     fn fly<'py>(
         &self,
         scene: &Bound<'py, Scene>,
-        bead: &Bead,
         places: Bound<'py, PyAny>,
         speeds: Bound<'py, PyAny>,
         points: Vec<usize>,
         knots: usize,
     ) -> PyResult<Tracks<'py>> {
-        let (py, model) = (scene.py(), scene.get().model());
+        let (py, model, bead) = (scene.py(), scene.get().model(), scene.get().inner.bead());
+        warn_all(py, bead.particle.remark(model.medium()))?;
         let (places, speeds) = (read::vectors("beads", &places)?, read::vectors("speeds", &speeds)?);
         let each = places.iter().zip(&speeds).zip(&points);
         let beads: Vec<_> = each.map(|((&place, &speed), &point)| BeadStart { place, speed, point }).collect();
         let threads = limits::threads(py)?;
         let (times, flown) = attend(py, None, |control| {
             let inner = self.inner();
-            let flown = inner.fly(&model, bead.inner, &beads, knots, &mut control.on(threads))?;
+            let flown = inner.fly(&model, bead, &beads, knots, &mut control.on(threads))?;
             Ok((inner.times(knots), flown))
         })?;
         let tracks =

@@ -4,12 +4,13 @@ use midair::{Bead, Complex32, Model, Particle};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
+use crate::bead::read_bead;
 use crate::ctrl_c::attend;
 use crate::error::warn_all;
 use crate::getters::getters;
 use crate::give::{self, rows};
 use crate::limits;
-use crate::pickle::{Reduced, restored};
+use crate::pickle::pickled;
 use crate::read;
 use crate::solution::{Solution, about, played};
 
@@ -34,6 +35,8 @@ pub(crate) struct Gorkov {
     mass: f64,
 }
 
+pickled!(Gorkov: potential: Vec<f64>, force: Vec<[f64; 3]>, hessian: Vec<[[f64; 3]; 3]>, weight: [f64; 3], mass: f64);
+
 #[pymethods]
 impl Gorkov {
     /// Stiffness -dF_x/dx, -dF_y/dy, -dF_z/dz (P, 3) in N/m: above 0 where the force pulls back.
@@ -48,21 +51,6 @@ impl Gorkov {
     fn net<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let net = |force: &[f64; 3]| [0, 1, 2].map(|axis| force[axis] + self.weight[axis]);
         rows(py, &self.force.iter().map(net).collect::<Vec<_>>())
-    }
-
-    #[staticmethod]
-    fn _restore(
-        potential: Vec<f64>,
-        force: Vec<[f64; 3]>,
-        hessian: Vec<[[f64; 3]; 3]>,
-        weight: [f64; 3],
-        mass: f64,
-    ) -> Self {
-        Self { potential, force, hessian, weight, mass }
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        restored::<Self>(py, (&self.potential, &self.force, &self.hessian, self.weight, self.mass))
     }
 
     fn __len__(&self) -> usize {
@@ -108,9 +96,16 @@ getters! {
 /// ((1, 3), True)
 #[pyclass(frozen, module = "midair")]
 pub(crate) struct Rest {
-    inner: midair::Rest,
+    place: Vec<[f64; 3]>,
+    held: Vec<bool>,
+    stiffness: Vec<[f64; 3]>,
+    axes: Vec<[[f64; 3]; 3]>,
+    basin: Vec<[[f64; 2]; 3]>,
+    restoring: Vec<[[f64; 2]; 3]>,
     mass: f64,
 }
+
+pickled!(Rest: place: Vec<[f64; 3]>, held: Vec<bool>, stiffness: Vec<[f64; 3]>, axes: Vec<[[f64; 3]; 3]>, basin: Vec<[[f64; 2]; 3]>, restoring: Vec<[[f64; 2]; 3]>, mass: f64);
 
 #[pymethods]
 impl Rest {
@@ -118,23 +113,23 @@ impl Rest {
     #[getter]
     fn frequencies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let own = |k: f64| (k / self.mass).sqrt() / std::f64::consts::TAU;
-        rows(py, &self.inner.stiffness.iter().map(|stiffness| stiffness.map(own)).collect::<Vec<_>>())
+        rows(py, &self.stiffness.iter().map(|stiffness| stiffness.map(own)).collect::<Vec<_>>())
     }
 
     /// The largest acceleration (P, 3, 2) in m/s^2 with which a bead is pulled back: restoring/mass.
     #[getter]
     fn acceleration<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let all = self.inner.restoring.as_flattened().as_flattened();
+        let all = self.restoring.as_flattened().as_flattened();
         give::list(py, all.iter().map(|force| force / self.mass).collect::<Vec<_>>()).reshape([all.len() / 6, 3, 2])
     }
 
     fn __len__(&self) -> usize {
-        self.inner.place.len()
+        self.place.len()
     }
 
     fn __repr__(&self) -> String {
-        let count = self.inner.held.iter().filter(|one| **one).count();
-        format!("<midair.Rest: {count} of {} beads held>", self.inner.held.len())
+        let count = self.held.iter().filter(|one| **one).count();
+        format!("<midair.Rest: {count} of {} beads held>", self.held.len())
     }
 }
 
@@ -142,26 +137,26 @@ getters! {
     Rest:
 
     /// Places (P, 3) in m where the net force is 0; or where an untrapped bead was lost.
-    place(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, &self.inner.place);
+    place(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, &self.place);
 
     /// Whether each bead is trapped (P,): the net force pulls it back from all sides, within a wavelength of the start.
-    held(self, py) -> Bound<'py, PyArray1<bool>> = give::list(py, self.inner.held.clone());
+    held(self, py) -> Bound<'py, PyArray1<bool>> = give::list(py, self.held.clone());
 
     /// Stiffness (P, 3) in N/m along the axes, the smallest first: the eigenvalues of Gor'kov's hessian.
-    stiffness(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, &self.inner.stiffness);
+    stiffness(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, &self.stiffness);
 
     /// Axes (P, 3, 3): three unit vectors as rows.
     axes(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> =
-        give::list(py, self.inner.axes.as_flattened().as_flattened().to_vec()).reshape([self.inner.axes.len(), 3, 3]);
+        give::list(py, self.axes.as_flattened().as_flattened().to_vec()).reshape([self.axes.len(), 3, 3]);
 
     /// Range in m along each axis (P, 3, 2), in the negative and the positive direction, in which the net force pulls back;
     /// at most a wavelength.
     basin(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> =
-        give::list(py, self.inner.basin.as_flattened().as_flattened().to_vec()).reshape([self.inner.basin.len(), 3, 2]);
+        give::list(py, self.basin.as_flattened().as_flattened().to_vec()).reshape([self.basin.len(), 3, 2]);
 
     /// Largest restoring force in N along each axis (P, 3, 2), in the negative and the positive direction.
     restoring(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> =
-        give::list(py, self.inner.restoring.as_flattened().as_flattened().to_vec()).reshape([self.inner.place.len(), 3, 2]);
+        give::list(py, self.restoring.as_flattened().as_flattened().to_vec()).reshape([self.place.len(), 3, 2]);
 
     /// Effective mass in kg: the bead's own mass and half the mass of the air that it displaces.
     mass(self, _py) -> f64 = self.mass;
@@ -177,32 +172,21 @@ struct Requested {
     remark: Option<String>,
 }
 
-type Given<'a, 'py> = [Argument<'a, 'py>; 4];
-
 fn requested<'py>(
     scene: &Bound<'py, PyAny>,
     drive: Option<Bound<'py, PyAny>>,
     points: Option<Bound<'py, PyAny>>,
-    [radius, density, sound_speed, gravity]: Given<'_, 'py>,
+    bead: Argument<'_, 'py>,
 ) -> PyResult<Requested> {
     let (scene, drive, points) = about(scene, drive, points)?;
     let (inner, model) = (&scene.get().inner, scene.get().model());
     let drive = played(&drive)?;
     let points = points.map(|points| read::vectors("points", &points)).transpose()?;
     let points = points.unwrap_or_else(|| inner.points().to_vec());
-    let Bead { particle: default, gravity: usual } = inner.bead();
-    let particle = Particle {
-        radius: read::real_or("radius", radius, default.radius)?,
-        density: read::real_or("density", density, default.density)?,
-        sound_speed: read::real_or("sound_speed", sound_speed, default.sound_speed)?,
-    };
-    let gravity = gravity.map_or(Ok(usual), |gravity| read::place("gravity", gravity))?;
+    let Bead { particle, gravity } = bead.map_or_else(|| Ok(inner.bead()), read_bead)?;
     let remark = particle.remark(inner.medium());
     Ok(Requested { model, drive, points, particle, gravity, remark })
 }
-
-/// Default gravity in m/s^2, down the z axis.
-pub(crate) const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 /// Compute Gor'kov's potential, force and stiffness of a small sphere in the field of a drive.
 ///
@@ -214,15 +198,8 @@ pub(crate) const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 ///     A complex drive, or a solution, whose scale is applied.
 /// points : (P, 3) array_like, optional
 ///     Points in m; by default the scene's.
-/// radius : float, optional
-///     Radius of the sphere in m; by default that of the scene's bead, which by default is 1e-3.
-/// density : float, optional
-///     Density of the sphere in kg/m^3; by default the bead's, 29 (polystyrene foam: Marzo et al., Nature Communications 6,
-///     8661, 2015).
-/// sound_speed : float, optional
-///     Sound speed in the sphere in m/s; by default the bead's, 900.
-/// gravity : (3,) array_like, optional
-///     Gravity in m/s^2, for `net` and `weight`; by default the bead's, 9.81 down the z axis.
+/// bead : midair.Bead or mapping, optional
+///     The sphere, and gravity for `net` and `weight`; by default the scene's.
 ///
 /// Returns
 /// -------
@@ -255,20 +232,15 @@ pub(crate) const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// >>> bool((trap.stiffness > 0).all())
 /// True
 #[pyfunction]
-#[pyo3(signature = (scene, drive=None, points=None, *, radius=None, density=None, sound_speed=None, gravity=None))]
-#[allow(clippy::too_many_arguments, reason = "they are keywords in Python")]
+#[pyo3(signature = (scene, drive=None, points=None, *, bead=None))]
 pub(crate) fn gorkov<'py>(
     py: Python<'py>,
     scene: &Bound<'py, PyAny>,
     drive: Option<Bound<'py, PyAny>>,
     points: Option<Bound<'py, PyAny>>,
-    radius: Argument<'_, 'py>,
-    density: Argument<'_, 'py>,
-    sound_speed: Argument<'_, 'py>,
-    gravity: Argument<'_, 'py>,
+    bead: Argument<'_, 'py>,
 ) -> PyResult<Gorkov> {
-    let Requested { model, drive, points, particle, gravity, .. } =
-        requested(scene, drive, points, [radius, density, sound_speed, gravity])?;
+    let Requested { model, drive, points, particle, gravity, .. } = requested(scene, drive, points, bead)?;
     let threads = limits::threads(py)?;
     let felt = attend(py, None, |control| midair::gorkov(&model, &drive, &points, particle, &mut control.on(threads)))?;
     let midair::Gorkov { potential, force, hessian, .. } = felt;
@@ -282,8 +254,8 @@ pub(crate) fn gorkov<'py>(
 /// ----------
 /// scene, drive, points
 ///     As for `midair.gorkov`; the spheres start at the points.
-/// radius, density, sound_speed, gravity
-///     Properties of the spheres, as for `midair.gorkov`.
+/// bead : midair.Bead or mapping, optional
+///     The spheres, as for `midair.gorkov`.
 ///
 /// Returns
 /// -------
@@ -309,25 +281,20 @@ pub(crate) fn gorkov<'py>(
 /// >>> bool(bead.held[0]), bool(abs(bead.place).max() < 1e-4)
 /// (True, True)
 #[pyfunction]
-#[pyo3(signature = (scene, drive=None, points=None, *, radius=None, density=None, sound_speed=None, gravity=None))]
-#[allow(clippy::too_many_arguments, reason = "they are keywords in Python")]
+#[pyo3(signature = (scene, drive=None, points=None, *, bead=None))]
 pub(crate) fn rest<'py>(
     py: Python<'py>,
     scene: &Bound<'py, PyAny>,
     drive: Option<Bound<'py, PyAny>>,
     points: Option<Bound<'py, PyAny>>,
-    radius: Argument<'_, 'py>,
-    density: Argument<'_, 'py>,
-    sound_speed: Argument<'_, 'py>,
-    gravity: Argument<'_, 'py>,
+    bead: Argument<'_, 'py>,
 ) -> PyResult<Rest> {
-    let Requested { model, drive, points, particle, gravity, remark } =
-        requested(scene, drive, points, [radius, density, sound_speed, gravity])?;
+    let Requested { model, drive, points, particle, gravity, remark } = requested(scene, drive, points, bead)?;
     let threads = limits::threads(py)?;
-    let inner =
+    let midair::Rest { place, held, stiffness, axes, basin, restoring, .. } =
         attend(py, None, |control| midair::rest(&model, &drive, &points, particle, gravity, &mut control.on(threads)))?;
     warn_all(py, remark)?;
-    Ok(Rest { inner, mass: particle.mass(model.medium()) })
+    Ok(Rest { place, held, stiffness, axes, basin, restoring, mass: particle.mass(model.medium()) })
 }
 
 #[pymethods]
@@ -336,7 +303,7 @@ impl Solution {
     ///
     /// Parameters
     /// ----------
-    /// points, radius, density, sound_speed, gravity
+    /// points, bead
     ///     As for `midair.gorkov`.
     ///
     /// Returns
@@ -348,23 +315,20 @@ impl Solution {
     /// ------
     /// SceneError
     ///     As for `midair.gorkov`, and if the solution has no scene.
-    #[pyo3(signature = (points=None, *, radius=None, density=None, sound_speed=None, gravity=None))]
+    #[pyo3(signature = (points=None, *, bead=None))]
     fn gorkov<'py>(
         slf: &Bound<'py, Self>,
         points: Option<Bound<'py, PyAny>>,
-        radius: Argument<'_, 'py>,
-        density: Argument<'_, 'py>,
-        sound_speed: Argument<'_, 'py>,
-        gravity: Argument<'_, 'py>,
+        bead: Argument<'_, 'py>,
     ) -> PyResult<Gorkov> {
-        gorkov(slf.py(), slf, None, points, radius, density, sound_speed, gravity)
+        gorkov(slf.py(), slf, None, points, bead)
     }
 
     /// Find where small spheres come to rest in the solution's field: `midair.rest` of its scene and drive.
     ///
     /// Parameters
     /// ----------
-    /// points, radius, density, sound_speed, gravity
+    /// points, bead
     ///     As for `midair.rest`.
     ///
     /// Returns
@@ -376,15 +340,8 @@ impl Solution {
     /// ------
     /// SceneError
     ///     As for `midair.rest`, and if the solution has no scene.
-    #[pyo3(signature = (points=None, *, radius=None, density=None, sound_speed=None, gravity=None))]
-    fn rest<'py>(
-        slf: &Bound<'py, Self>,
-        points: Option<Bound<'py, PyAny>>,
-        radius: Argument<'_, 'py>,
-        density: Argument<'_, 'py>,
-        sound_speed: Argument<'_, 'py>,
-        gravity: Argument<'_, 'py>,
-    ) -> PyResult<Rest> {
-        rest(slf.py(), slf, None, points, radius, density, sound_speed, gravity)
+    #[pyo3(signature = (points=None, *, bead=None))]
+    fn rest<'py>(slf: &Bound<'py, Self>, points: Option<Bound<'py, PyAny>>, bead: Argument<'_, 'py>) -> PyResult<Rest> {
+        rest(slf.py(), slf, None, points, bead)
     }
 }

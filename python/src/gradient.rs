@@ -1,11 +1,12 @@
 //! The core of `midair.grad`: a quantity of the field at points, and its gradients.
 
-use midair::{Complex64, Model, Particle, Quantity};
+use midair::{Bead, Complex64, Model, Quantity};
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use crate::array::Array;
+use crate::bead::read_bead;
 use crate::ctrl_c::attend;
 use crate::error::{invalid, refused, warn_all};
 use crate::give::fresh;
@@ -87,8 +88,7 @@ fn shaped(py: Python<'_>, quantity: Quantity, value: Vec<f64>) -> PyResult<Bound
 /// Returns the values of a quantity and, with a cotangent, its gradients with respect to drive, points, positions, normals
 /// and sound speed.
 #[pyfunction]
-#[pyo3(signature = (quantity, scene, drive, points, cotangent=None, radius=None, density=None, sound_speed=None))]
-#[allow(clippy::too_many_arguments, reason = "they are keywords in Python")]
+#[pyo3(signature = (quantity, scene, drive, points, cotangent=None, bead=None))]
 pub(crate) fn gradient<'py>(
     py: Python<'py>,
     quantity: &str,
@@ -96,18 +96,11 @@ pub(crate) fn gradient<'py>(
     drive: Argument<'py>,
     points: Argument<'py>,
     cotangent: Argument<'py>,
-    radius: Argument<'py>,
-    density: Argument<'py>,
-    sound_speed: Argument<'py>,
+    bead: Argument<'py>,
 ) -> PyResult<Bound<'py, PyTuple>> {
-    let default = Particle::default();
-    let particle = Particle {
-        radius: read::real_or("radius", radius.as_ref(), default.radius)?,
-        density: read::real_or("density", density.as_ref(), default.density)?,
-        sound_speed: read::real_or("sound_speed", sound_speed.as_ref(), default.sound_speed)?,
-    };
-    let quantity = Quantity::named(quantity, particle).map_err(refused)?;
     let (model, drive, points) = subject(scene, drive, points)?;
+    let Bead { particle, .. } = bead.map_or_else(|| Ok(model.bead()), |bead| read_bead(&bead))?;
+    let quantity = Quantity::named(quantity, particle).map_err(refused)?;
     if let Some(particle) = quantity.particle() {
         warn_all(py, particle.remark(model.medium()))?;
     }

@@ -69,6 +69,8 @@ mod _midair {
     #[pymodule_export]
     use super::batch::{Batch, solve_batch};
     #[pymodule_export]
+    use super::bead::Bead;
+    #[pymodule_export]
     use super::bodies::bodies;
     #[pymodule_export]
     use super::codec::Codec;
@@ -79,7 +81,7 @@ mod _midair {
     #[pymodule_export]
     use super::files::{scene_files, scene_keys, sweep_keys};
     #[pymodule_export]
-    use super::flight::{Bead, Course, Response};
+    use super::flight::{Course, Response};
     #[pymodule_export]
     use super::gorkov::{Gorkov, Rest, gorkov, rest};
     #[pymodule_export]

@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::array::Array;
-use crate::bead::{read_bead, shown_bead};
+use crate::bead::{self, read_bead};
 use crate::ctrl_c::attend;
 use crate::error::{invalid, refused, warn_all};
 use crate::files;
@@ -52,9 +52,8 @@ pub(crate) const ARGUMENTS: [&str; 7] = ["array", "points", "pressures", "weight
 ///     multiply the responses c while a scene is solved; pressures are then those of the foci, and `field` and `gorkov`
 ///     use the real responses. A list has a name, or None for a focus, for each point. Traps of pressure 0 are then as
 ///     stiff as the pressures of the foci allow.
-/// bead : mapping, optional
-///     Sphere that traps are made for: radius in m, density in kg/m^3, sound_speed in m/s and gravity (3,) in m/s^2. By
-///     default a bead of expanded polystyrene, and 9.81 down the z axis.
+/// bead : midair.Bead or mapping, optional
+///     Sphere that traps are made for.
 /// obstacles : list, optional
 ///     Bodies that reflect the waves: midair.Wall, Sphere, Mesh and the like.
 /// {medium}
@@ -472,7 +471,7 @@ impl Scene {
         let [pressures, phases, weights] =
             [pressures, phases, weights].map(|list| list.map(|list| give::list(py, list)));
         let (solver, plane, signature) = (self.solver(py)?, self.plane(), self.signature(py)?);
-        let (bead, obstacles) = (self.bead(py)?, self.obstacles(py)?);
+        let (bead, obstacles) = (self.bead(), self.obstacles(py)?);
         let (points, medium) = (self.points(py)?, self.medium(py)?);
         let parts =
             (self.array(), points, pressures, weights, medium, solver, plane, phases, signature, bead, obstacles);
@@ -509,8 +508,8 @@ getters! {
     signature(self, py) -> PyResult<Option<Bound<'py, PyAny>>> =
         shown_signature(py, self.inner.signature(), self.inner.array().len());
 
-    /// The sphere that traps are made for: radius, density, sound_speed and gravity, as the constructor takes them.
-    bead(self, py) -> PyResult<Bound<'py, PyDict>> = shown_bead(py, self.inner.bead());
+    /// The sphere that traps are made for.
+    bead(self) -> bead::Bead = bead::Bead(self.inner.bead());
 
     /// Bodies that reflect the waves: a list of midair.Wall, Sphere, Mesh and the like.
     obstacles(self, py) -> PyResult<Vec<Bound<'py, PyAny>>> = shown_obstacles(py, self.inner.obstacles());

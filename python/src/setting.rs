@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyDictMethods};
 
 use crate::array::Array;
-use crate::bead::shown_bead;
+use crate::bead;
 use crate::chosen::{Chosen, Naming};
 use crate::error::{invalid, refused, warn_all};
 use crate::give::rows;
@@ -88,7 +88,7 @@ impl Source {
                 }
                 let shown = shown_signature(py, model.signature(), model.array().len())?;
                 keywords.set_item("signature", shown)?;
-                keywords.set_item("bead", shown_bead(py, model.bead())?)?;
+                keywords.set_item("bead", bead::Bead(model.bead()))?;
                 keywords.set_item("obstacles", shown_obstacles(py, model.obstacles())?)?;
                 Bound::new(py, Array::from(model.array().clone()))?.into_any()
             }

@@ -231,7 +231,7 @@ impl Options {
                     options.arguments = Some(stated(&inner)?);
                 } else if meta.path.is_ident("text_signature") {
                     let text = value.parse::<LitStr>()?.value();
-                    let inner = text.trim_start_matches('(').trim_end_matches(')');
+                    let inner = text.strip_prefix('(').and_then(|text| text.strip_suffix(')')).unwrap();
                     options.arguments = Some(stated.parse_str(inner)?);
                 }
                 Ok(())

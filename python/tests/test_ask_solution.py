@@ -58,8 +58,9 @@ def test_judge(solution: midair.Solution) -> None:
 def test_forces_and_streaming() -> None:
     solution = midair.solve(scenes()["trap"])
     for points in (None, POINTS[:1]):
-        long = midair.gorkov(solution.scene, solution, points, radius=5e-4)
-        assert long == midair.gorkov(solution, points, radius=5e-4) == solution.gorkov(points, radius=5e-4)
+        bead = midair.Bead(radius=5e-4)
+        long = midair.gorkov(solution.scene, solution, points, bead=bead)
+        assert long == midair.gorkov(solution, points, bead=bead) == solution.gorkov(points, bead=bead)
     force = midair.streaming(solution.scene, solution, POINTS).force
     np.testing.assert_array_equal(force, midair.streaming(solution, POINTS).force)
     own = solution.scene.absorption

@@ -92,20 +92,22 @@ def test_a_body_is_refused_and_a_slip_is_hinted_at() -> None:
 
 
 def test_a_particle_feels_what_gorkov_computes() -> None:
-    felt = midair.gorkov(scene(), DRIVE, radius=0.8e-3, density=50)
-    bead = {"radius": 0.8e-3, "density": 50}
+    bead = midair.Bead(radius=0.8e-3, density=50)
+    felt = midair.gorkov(scene(), DRIVE, bead=bead)
 
     def near(found: Any, expected: Any) -> bool:
         # `gorkov` rounds the drive to single precision.
         return bool(abs(found - expected).max() < 1e-5 * abs(expected).max())
 
-    assert near(midair.grad.gorkov(scene(), DRIVE, **bead).value, felt.potential)
-    assert near(midair.grad.force(scene(), DRIVE, **bead).value, felt.force)
-    assert near(midair.grad.stiffness(scene(), DRIVE, **bead).value, felt.stiffness)
+    assert near(midair.grad.gorkov(scene(), DRIVE, bead=bead).value, felt.potential)
+    assert near(midair.grad.force(scene(), DRIVE, bead=bead).value, felt.force)
+    assert near(midair.grad.stiffness(scene(), DRIVE, bead=bead).value, felt.stiffness)
+    # By default the bead is the scene's.
+    assert near(midair.grad.force(scene().replace(bead=bead), DRIVE).value, felt.force)
     # dF_x/dx is minus the stiffness.
-    along = midair.grad.force(scene(), DRIVE, None, [[1, 0, 0], [1, 0, 0]], **bead)
+    along = midair.grad.force(scene(), DRIVE, None, [[1, 0, 0], [1, 0, 0]], bead=bead)
     assert near(along.points[:, 0], -felt.stiffness[:, 0])
-    with pytest.raises(midair.SceneError, match=r"^radius is 0"):
-        midair.grad.force(scene(), DRIVE, radius=0)
+    with pytest.raises(midair.SceneError, match=r"^bead.radius is 0"):
+        midair.grad.force(scene(), DRIVE, bead={"radius": 0})
     with pytest.raises(midair.SceneError, match=r"^cotangent is of shape \(3,\): give one real"):
         midair.grad.force(scene(), DRIVE, None, [1, 0, 0])

@@ -68,7 +68,7 @@ def test_the_force_is_the_flux_of_momentum(radius: float, places: int) -> None:
             else midair.solve(scene.replace(points=[point])).drive
         )
         drive = drive.astype(np.complex64)
-        found = midair.gorkov(scene, drive, [point], radius=radius, density=1e9)
+        found = midair.gorkov(scene, drive, [point], bead={"radius": radius, "density": 1e9})
         wanted = flux(BOARD.positions, 4.0 * drive.astype(complex), point, radius)
         assert np.linalg.norm(found.force[0] - wanted) < 1e-3 * np.linalg.norm(wanted)
         assert np.isnan(found.potential).all()
@@ -86,7 +86,7 @@ def test_a_sphere_that_is_just_large_feels_nearly_what_a_small_one_does() -> Non
     for density in (4.0, 29.0, 1e6):
         sizes = np.array([0.1249, 0.1251]) * WAVELENGTH
         small, large = (
-            midair.gorkov(scene, drive, place, radius=a, density=density, sound_speed=1e9) for a in sizes
+            midair.gorkov(scene, drive, place, bead=midair.Bead(a, density, 1e9)) for a in sizes
         )
         assert abs(large.force[0, 2] / small.force[0, 2] - 1) < 0.4
         assert abs(large.stiffness[0, 2] / small.stiffness[0, 2] - 1) < 0.4
@@ -95,7 +95,7 @@ def test_a_sphere_that_is_just_large_feels_nearly_what_a_small_one_does() -> Non
 def test_what_does_not_fit_is_refused() -> None:
     scene = midair.Scene(BOARD, [[0, 0, 0.02]])
     drive = np.ones(256, np.complex64)
-    with pytest.raises(midair.SceneError, match=r"radius is 0\.03: give at most 2\.55e-2, three wavelengths"):
-        midair.gorkov(scene, drive, radius=0.03)
+    with pytest.raises(midair.SceneError, match=r"bead\.radius is 0\.03: give at most 2\.55e-2, three wavelengths"):
+        midair.gorkov(scene, drive, bead={"radius": 0.03})
     with pytest.raises(midair.SceneError, match=r"points\[0\] .* leave 2\.2e-2 m for the sphere"):
-        midair.gorkov(scene, drive, radius=0.0219)
+        midair.gorkov(scene, drive, bead={"radius": 0.0219})

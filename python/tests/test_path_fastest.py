@@ -14,7 +14,6 @@ import pytest
 import beads
 import midair
 import traps
-from midair._midair import Bead
 from oracle import Real
 
 BENCH = Path(__file__).parents[2] / "bench"
@@ -29,18 +28,18 @@ def ring(radius: float) -> Real:
     return radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
 
 
-def limit() -> tuple[Bead, float]:
-    """Returns the default bead, and the smallest lateral restoring force of a trap in the middle."""
-    return Bead(SCENE), float(midair.rest(midair.solve(SCENE)).restoring[0, :2].min())
+def limit() -> float:
+    """Returns the smallest lateral restoring force of a trap in the middle."""
+    return float(midair.rest(midair.solve(SCENE)).restoring[0, :2].min())
 
 
 def test_on_a_circle_the_speed_is_where_the_pull_inwards_and_the_drag_are_all_that_the_trap_gives() -> None:
-    bead, most = limit()
+    most = limit()
     radius, margin = 5e-3, 0.3
     path = midair.path.fastest(ring(radius), SCENE, margin=margin)
     speeds = np.linspace(0.1, 5, 20000)
-    drag = bead.needed(np.outer(speeds, [1, 0, 0]), np.zeros((len(speeds), 3)))[:, 0]
-    taken = np.hypot(bead.mass * speeds**2 / radius, drag)
+    drag = SCENE._needed(np.outer(speeds, [1, 0, 0]), np.zeros((len(speeds), 3)))[:, 0]
+    taken = np.hypot(SCENE._mass() * speeds**2 / radius, drag)
     speed = speeds[np.searchsorted(taken, margin * most)]
     assert path.closed
     assert abs(2 * np.pi * radius / speed / path.duration - 1) < 0.03
@@ -50,11 +49,11 @@ def test_on_a_circle_the_speed_is_where_the_pull_inwards_and_the_drag_are_all_th
 
 
 def test_from_rest_to_rest_half_of_the_way_is_gaining_and_half_losing_speed() -> None:
-    bead, most = limit()
+    most = limit()
     way, margin = 0.01, 0.05
     line = np.linspace(-0.5, 0.5, 5)[:, None] * [way, 0, 0]
     path = midair.path.fastest(line, BOARDS, closed=False, margin=margin)
-    without_drag = 2 * np.sqrt(way * bead.mass / (margin * most))
+    without_drag = 2 * np.sqrt(way * SCENE._mass() / (margin * most))
     # The drag makes the motion slower. The force must change slowly, which takes some steps at both ends.
     assert not path.closed
     assert 1.0 < path.duration / without_drag < 1.25

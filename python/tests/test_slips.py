@@ -95,6 +95,28 @@ def test_slips_of_users(call: str) -> None:
     assert "\n" not in str(refusal.value)
 
 
+@pytest.mark.parametrize("keyword", ["radius", "density", "sound_speed", "gravity"])
+@pytest.mark.parametrize(
+    "call",
+    [
+        "midair.gorkov(SCENE, DRIVE",
+        "midair.rest(SCENE, DRIVE",
+        "midair.solve(SCENE).gorkov(",
+        "midair.solve(SCENE).rest(",
+        "midair.fly(None",
+        "midair.path.fastest(POINTS, SCENE",
+        "midair.grad.gorkov(SCENE, DRIVE",
+        "midair.grad.force(SCENE, DRIVE",
+        "midair.grad.stiffness(SCENE, DRIVE",
+    ],
+)
+def test_a_parameter_of_a_bead_is_named_as_one(call: str, keyword: str) -> None:
+    names = {"midair": midair, "SCENE": SCENE, "DRIVE": np.ones(SCENE.array.positions.shape[0]), "POINTS": []}
+    with pytest.raises(TypeError, match=f'takes "{keyword}" as a part of bead: give bead=') as refusal:
+        eval(f"{call}{'' if call.endswith('(') else ', '}{keyword}=1e-3)", names)
+    assert "\n" not in str(refusal.value)
+
+
 def test_other_errors_stay_as_they_are() -> None:
     def mine(*_: object) -> None:
         raise TypeError("mine")

@@ -81,7 +81,7 @@ def test_a_plane_standing_wave_has_the_textbook_force() -> None:
     k = 2 * np.pi / traps.WAVELENGTH
     z = traps.WAVELENGTH / 16
     scene = midair.Scene(array, [[0, 0, z]])
-    found = midair.gorkov(scene, [1, 1], radius=5e-4)
+    found = midair.gorkov(scene, [1, 1], bead={"radius": 5e-4})
     density, kappa = 29 / 1.223, 1.223 * 340**2 / (29 * 900**2)
     contrast = (5 * density - 2) / (2 * density + 1) / 3 - kappa / 3
     # p = 2 P cos(k z) up to a phase, so the energy density is (2 P)^2/(4 rho c^2).
@@ -135,8 +135,9 @@ def test_beads_rest_where_the_net_force_is_0() -> None:
     boards = midair.Array.preset("openmpd_pair", quantization={})
     points = scattered(4, [0.03, 0.03, 0.01], 0.015, 5)
     solution = midair.solve(midair.Scene(boards, points, pressures=3000, signature="trap"), aim="max")
-    rest = solution.rest(density=100.0, gravity=[0, -9.81, 0])
-    there = solution.gorkov(rest.place, density=100.0, gravity=[0, -9.81, 0])
+    bead = midair.Bead(density=100.0, gravity=[0, -9.81, 0])
+    rest = solution.rest(bead=bead)
+    there = solution.gorkov(rest.place, bead=bead)
     air, volume = solution.scene.medium["density"], 4 / 3 * np.pi * 1e-9
     assert rest.held.all()
     assert np.allclose(there.weight, [0, -9.81 * (100 - air) * volume, 0], atol=1e-20)
@@ -268,9 +269,9 @@ def test_what_cannot_be_a_trap_is_refused_in_one_line(tmp_path: Any) -> None:
         assert reported in str(refusal.value)
         assert "\n" not in str(refusal.value)
     with pytest.warns(
-        midair.SceneWarning, match="radius is 0.002 m: Gor'kov's potential is for spheres small"
+        midair.SceneWarning, match="bead.radius is 0.002 m: Gor'kov's potential is for spheres small"
     ):
-        midair.rest(scene, drive, radius=2e-3)
+        midair.rest(scene, drive, bead={"radius": 2e-3})
     edge = midair.Array([[0, 0, 0]], directivity={"cos": 0.5})
     with pytest.raises(midair.SceneError, match="move it off the plane"):
         midair.gorkov(midair.Scene(edge, points), [1], [[0.1, 0, 0]])

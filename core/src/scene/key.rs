@@ -76,7 +76,7 @@ macro_rules! numbers {
             }
 
             /// Checks that each number is in its range.
-            fn in_range(&self) -> Result<(), $crate::error::Error> {
+            pub(crate) fn in_range(&self) -> Result<(), $crate::error::Error> {
                 $( $crate::error::real(
                     concat!($table, ".", stringify!($field)), self.$field, $least, $crate::scene::key::strict!($range),
                 )?; )+

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Bead, Course, SceneError, numbers, stated
+from .._midair import Bead, Course, Scene, SceneError, numbers, stated
 from .._sequence.envelope import Hold
 from .._sequence.judged import SETTLING, TAU
 from .._sequence.sequence import Sequence
@@ -28,10 +31,7 @@ def fly(
     duration: float | None = None,
     tau: float = TAU,
     hold: Hold = "hold",
-    radius: float | None = None,
-    density: float | None = None,
-    sound_speed: float | None = None,
-    gravity: ArrayLike | None = None,
+    bead: Bead | Mapping[str, Any] | None = None,
 ) -> Flight:
     """Simulate how beads move in the traps of a sequence: which stay, how far they stray, which are lost.
 
@@ -48,8 +48,8 @@ def fly(
         most 100).
     tau, hold
         Time constant of the transducers in s, and how the board plays a frame, as for `Sequence.between`.
-    radius, density, sound_speed, gravity
-        Properties of the beads, as for `midair.gorkov`.
+    bead : midair.Bead or mapping, optional
+        Properties of every bead; by default those of the sequence's bead.
 
     Returns
     -------
@@ -85,17 +85,16 @@ def fly(
     """
     if not isinstance(sequence, Sequence):
         raise refused("sequence", sequence, "give a midair.Sequence")
-    scene = sequence.scene(0)
-    bead = Bead(scene, radius, density, sound_speed, gravity)
+    scene = sequence.scene(0).replace(bead=bead)
     wavelength = scene.sound_speed / scene.frequency
     envelope = sequence._envelope(tau, hold)
     course = Course(sequence.points, wavelength, envelope.response, sequence.closed, envelope.before())
     for _, now, following in envelope.played(1):
         course.play(now, following)
     knots = course.knots(None if duration is None else number("duration", duration, above=0))
-    places, own, points = _start(sequence, course, bead, beads, speeds)
+    places, own, points = _start(sequence, scene, course, beads, speeds)
     try:
-        times, flown, ways, lost = course.fly(scene, bead, places, own, points.tolist(), knots)
+        times, flown, ways, lost = course.fly(scene, places, own, points.tolist(), knots)
     except MemoryError as error:
         if duration is None:
             raise
@@ -103,26 +102,26 @@ def fly(
         reported = f"the tracks of the beads need {getattr(error, 'value', 'more memory')}"
         raise MemoryError(f"duration is {duration:g} s: {reported}; {cure}") from None
     except SceneError:
-        if (delay := _delay(bead)) > SOONEST:
+        if (delay := _delay(scene)) > SOONEST:
             raise
         cure = (
             f"air stops such a bead within {delay:.2g} s, too soon for a flight, give a larger or denser one"
         )
-        raise refused("radius", bead.keywords()["radius"], cure) from None
+        raise refused("bead.radius", scene.bead.radius, cure) from None
     return Flight(times, flown, ways, lost, points)
 
 
-def _delay(bead: Bead) -> float:
+def _delay(scene: Scene) -> float:
     """Return the time constant in s with which a slow bead takes the velocity of the air."""
     rest, slow = np.zeros((1, 3)), np.array([[1e-3, 0, 0]])
-    weight = bead.needed(rest, rest)
+    weight = scene._needed(rest, rest)
     # Drag of slow beads is linear, so the same number serves as velocity and as acceleration.
-    delay = (bead.needed(rest, slow) - weight)[0, 0] / (bead.needed(slow, rest) - weight)[0, 0]
+    delay = (scene._needed(rest, slow) - weight)[0, 0] / (scene._needed(slow, rest) - weight)[0, 0]
     return float(delay)
 
 
 def _start(
-    sequence: Sequence, course: Course, bead: Bead, beads: ArrayLike | None, speeds: ArrayLike | None
+    sequence: Sequence, scene: Scene, course: Course, beads: ArrayLike | None, speeds: ArrayLike | None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.intp]]:
     """Return places (B, 3) and velocities (B, 3) of the beads at the start, and each bead's point."""
     points = sequence.points[0]
@@ -130,12 +129,12 @@ def _start(
         which = np.flatnonzero(sequence.targets[0] > 0)
         if not len(which):
             raise stated("targets", "are 0 in the first frame", "give beads, places (B, 3) in m")
-        places = course.resting(sequence.scene(0), bead, which.tolist())
+        places = course.resting(scene, which.tolist())
     else:
         places = numbers("beads", beads, [(3,), (-1, 3)], "give places (B, 3) in m").reshape(-1, 3)
         away = np.linalg.norm(places[:, None] - points, axis=2)
         which, away = away.argmin(axis=1), away.min(axis=1)
-        reach = LOST * sequence.scene(0).wavelength
+        reach = LOST * scene.wavelength
         if len(far := np.flatnonzero(away > reach)):
             first, near = int(far[0]), f"give a place within half a wavelength, {1e3 * reach:.2g} mm"
             others = f" (and {len(far) - 1} more)" if len(far) > 1 else ""
@@ -144,6 +143,6 @@ def _start(
     own = course.speeds(which.tolist()) if speeds is None else speeds
     own = numbers("speeds", own, [(3,), places.shape], f"give {places.shape} in m/s")
     fastest = float(np.linalg.norm(own, axis=-1).max())
-    if fastest > sequence.scene(0).sound_speed:
+    if fastest > scene.sound_speed:
         raise refused("speeds", f"{fastest:.4g} m/s", "faster than sound, give slower beads")
     return places, np.broadcast_to(own, places.shape), which

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Bead, Scene, solvers, stated
+from .._midair import Array, Scene, solvers, stated
 from .._support.arguments import number, refused, warn, whole
 from ..path import Path, read
 from .frames import AIR
@@ -196,19 +196,18 @@ def warn_of_pull(sequence: JudgedFrames) -> None:
     before, after = (points[(times + way * apart) % len(points)] for way in (-1, 1))
     pulled = (before - 2 * points[times] + after) * (sequence.rate / apart) ** 2
     moving = (after - before) * (sequence.rate / apart / 2)
-    bead = Bead(scene)
     for j in range(points.shape[1]):
         size = np.linalg.norm(pulled[:, j], axis=1) * (sequence.targets[times, j] > 0)
         worst = int(size.argmax())
         if size[worst] < SLIGHT:
             continue
         frame = int(times[worst])
-        force = bead.needed(moving[worst, j][None], pulled[worst, j][None])[0]
-        if bead.poised(scene, sequence.drive(frame), points[frame, j], force) is None:
+        force = scene._needed(moving[worst, j][None], pulled[worst, j][None])[0]
+        if scene._poised(sequence.drive(frame), points[frame, j], force) is None:
             text = (
                 f"point {j + 1} takes {size[worst]:.3g} m/s^2 in frame {frame}, more than its trap can give"
             )
-            warn(f"{text} a bead of 1 mm radius: go slower, or by midair.path.fastest")
+            warn(f"{text} a bead of {1e3 * scene.bead.radius:.3g} mm radius: go slower, or by midair.path.fastest")
             return
 
 

@@ -20,6 +20,9 @@ from .._midair import SceneError, array_parts, nearest, restated, scene_keys, un
 #: array.
 DECLARED = {"parts": tuple(array_parts()), "keys": (*scene_keys()["medium"], *array_parts())}
 
+#: Parameters of a bead, which are no arguments of a function that takes a bead.
+BEAD = scene_keys()["bead"].keys()
+
 #: Kinds of parameters that can be given by keyword.
 NAMED = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
 
@@ -159,6 +162,8 @@ def _slip(
     for keyword in keywords:
         if keyword in named:
             continue
+        if keyword in BEAD and "bead" in named:
+            return part_of_bead(name, keyword)
         if _unbound(signature, arguments, keywords):
             reported = unknown_name(f"argument of {name}", keyword, known)
             line = str(reported) if known else f'{name} takes no keywords: leave "{keyword}" out'
@@ -175,6 +180,11 @@ def _slip(
     # Python's own error names the private function.
     reason = isinstance(error, TypeError) and _unbound(signature, arguments, keywords)
     return TypeError(f"{name}: {reason}") if reason else None
+
+
+def part_of_bead(name: str, keyword: str) -> TypeError:
+    """Return the error about a parameter of a bead that is given as an argument of a function."""
+    return TypeError(f'{name} takes "{keyword}" as a part of bead: give bead={{"{keyword}": ...}}')
 
 
 def _unbound(signature: inspect.Signature, arguments: Sequence[Any], keywords: Mapping[str, Any]) -> str:

@@ -15,6 +15,7 @@ find such runs by optimal control.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +23,7 @@ from numpy.typing import ArrayLike
 
 from .._midair import Array, Bead, Scene, rest, solve, stated
 from .._support.arguments import flag, number, refused, vectors
+from .._support.slips import BEAD, part_of_bead
 from ._path import Path
 from ._piece import Numbers
 from ._samples import Samples
@@ -45,10 +47,7 @@ def fastest(
     *,
     closed: bool = True,
     margin: float = 0.3,
-    radius: float | None = None,
-    density: float | None = None,
-    sound_speed: float | None = None,
-    gravity: ArrayLike | None = None,
+    bead: Bead | Mapping[str, Any] | None = None,
     **air: Any,
 ) -> Path:
     """Find the fastest run of a bead along a smooth curve.
@@ -65,8 +64,8 @@ def fastest(
     margin : float, optional
         Part of a trap's largest force along each of its axes that the run may take, below 1. The rest is for
         a board's steps, other points and draught; `midair.fly` shows whether it suffices.
-    radius, density, sound_speed, gravity
-        Properties of the bead, as for `midair.gorkov`.
+    bead : midair.Bead or mapping, optional
+        The bead; by default that of the scene.
     **air
         With an array: frequency, temperature, absorption, obstacles.
 
@@ -94,20 +93,22 @@ def fastest(
     >>> midair.path.fastest(ring, boards).duration < 0.2
     True
     """
+    for name in sorted(BEAD & air.keys()):
+        # `Scene` takes them for those of the air.
+        raise part_of_bead("midair.path.fastest", name)
     share = number("margin", margin, above=0)
     if share >= 1:
         raise refused("margin", margin, "give a number below 1")
     if isinstance(array, Scene):
-        scene = array.replace(points=[[0, 0, 0]], pressures=None, signature="trap", **air)
+        scene = array.replace(points=[[0, 0, 0]], pressures=None, signature="trap", bead=bead, **air)
     elif isinstance(array, Array):
-        scene = Scene(array, [[0, 0, 0]], signature="trap", **air)
+        scene = Scene(array, [[0, 0, 0]], signature="trap", bead=bead, **air)
     else:
         raise refused("array", array, "give a midair.Array or a midair.Scene")
-    bead = Bead(scene, radius, density, sound_speed, gravity)
     loop = flag("closed", closed)
     curve = _smooth(_places(points), loop)
-    traps = _traps(scene, curve, bead)
-    speeds = _speeds(curve, traps, bead, share, loop)
+    traps = _traps(scene, curve)
+    speeds = _speeds(scene, curve, traps, share, loop)
     places = curve.at(_timed(curve.step, speeds, loop), loop)
     return Path(
         Samples(
@@ -232,7 +233,7 @@ class _Traps(NamedTuple):
     most: Numbers
 
 
-def _traps(scene: Scene, curve: _Curve, bead: Bead) -> _Traps:
+def _traps(scene: Scene, curve: _Curve) -> _Traps:
     """Return the traps of a bead along a curve."""
     last = len(curve.places) - 1
     half = scene.sound_speed / scene.frequency / 2
@@ -241,7 +242,7 @@ def _traps(scene: Scene, curve: _Curve, bead: Bead) -> _Traps:
     found = []
     for place in curve.places[looked]:
         one = scene.replace(points=[place])
-        trap = rest(one, solve(one), **bead.keywords())
+        trap = rest(one, solve(one))
         if not trap.held[0]:
             where = ", ".join(f"{1e3 * x:.1f}" for x in place)
             raise stated(
@@ -253,14 +254,15 @@ def _traps(scene: Scene, curve: _Curve, bead: Bead) -> _Traps:
     return _Traps(axes[nearest], most[nearest])
 
 
-def _speeds(curve: _Curve, traps: _Traps, bead: Bead, share: float, loop: bool) -> Numbers:
+def _speeds(scene: Scene, curve: _Curve, traps: _Traps, share: float, loop: bool) -> Numbers:
     """Return the squared speeds (S,) in m^2/s^2 of the fastest run, one for each step of the curve."""
     scale = traps.axes / (share * traps.most)[..., None]
-    gain = bead.mass * np.einsum("skx,sx->sk", scale, curve.tangents)
-    turn = bead.mass * np.einsum("skx,sx->sk", scale, curve.bends)
-    resist = gain / bead.mass
+    mass = scene._mass()
+    gain = mass * np.einsum("skx,sx->sk", scale, curve.tangents)
+    turn = mass * np.einsum("skx,sx->sk", scale, curve.bends)
+    resist = gain / mass
     fast = np.linspace(0, TOP, 2001)
-    drags = bead.needed(np.outer(fast, [1.0, 0, 0]), np.zeros((len(fast), 3)))[:, 0]
+    drags = scene._needed(np.outer(fast, [1.0, 0, 0]), np.zeros((len(fast), 3)))[:, 0]
 
     def limits(i: int, squares: Numbers) -> tuple[Numbers, Numbers]:
         """Return the least and the largest acceleration u along the curve at step i, for squared speeds (K,).

@@ -122,7 +122,7 @@ impl<'a> Trap<'a> {
             return Err(Error::missing("points", "empty", "give at least one point"));
         }
         check_places(array.centre(), medium, "points", "", points)?;
-        particle.check()?;
+        particle.in_range()?;
         let (mut images, mut bodies) = (&[][..], None);
         if let Some(scattering) = &model.scattering {
             scattering.obstacles.check_points(points)?;
@@ -148,7 +148,7 @@ impl<'a> Trap<'a> {
         }
         if radius > MOST * wavelength {
             let cure = format!("give at most {:.2e}, three wavelengths", MOST * wavelength);
-            return Err(Error::invalid("radius", radius, cure));
+            return Err(Error::invalid("bead.radius", radius, cure));
         }
         for (j, &point) in points.iter().enumerate() {
             let nearest = array.positions().iter().map(|&place| distance(place, point)).fold(f64::INFINITY, f64::min);

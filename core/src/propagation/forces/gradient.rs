@@ -155,7 +155,7 @@ impl<'a> Pass<'a> {
             return Err(Error::missing("points", "empty", "give at least one point"));
         }
         check_places(array.centre(), medium, "points", "", points)?;
-        quantity.particle().map_or(Ok(()), |particle| particle.check())?;
+        quantity.particle().map_or(Ok(()), |particle| particle.in_range())?;
         let seen = |sources: &'a Sources, axes: [[f64; 3]; 3]| {
             let waves = Taylor::new(model.set, sources, |i| sources.array.effect(i));
             let mut drives = vec![[[0.0; EIGHT]; 2]; waves.emitters.len()];

@@ -2,7 +2,6 @@
 
 use alloc::format;
 
-use crate::error::{Error, real};
 use crate::math;
 use crate::propagation::jet::Jet;
 use crate::scene::{Medium, Particle, dot};
@@ -27,13 +26,6 @@ impl Particle {
     /// The derivative of the factor of |p|^2 by the medium's sound speed; the other factor does not depend on it.
     pub(crate) fn factor_slope(&self, medium: Medium) -> f64 {
         -self.volume() / (2.0 * medium.density * medium.sound_speed * medium.sound_speed * medium.sound_speed)
-    }
-
-    /// Checks that radius, density and sound speed are above 0.
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        real("radius", self.radius, 0.0, true)?;
-        real("density", self.density, 0.0, true)?;
-        real("sound_speed", self.sound_speed, 0.0, true).map(|_| ())
     }
 
     fn volume(&self) -> f64 {
@@ -80,7 +72,7 @@ impl Particle {
         let most = LARGEST * medium.wavelength();
         (self.radius > most).then(|| {
             format!(
-                "radius is {} m: Gor'kov's potential is for spheres small beside the wavelength, up to {most:.2e} m",
+                "bead.radius is {} m: Gor'kov's potential is for spheres small beside the wavelength, up to {most:.2e} m",
                 self.radius
             )
         })
