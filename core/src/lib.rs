@@ -79,6 +79,8 @@ mod threads;
 #[forbid(unsafe_code)]
 pub mod touch;
 #[forbid(unsafe_code)]
+mod vec3;
+#[forbid(unsafe_code)]
 mod workspace;
 
 pub use control::{Control, Observe, Progress};

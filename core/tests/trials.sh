@@ -120,7 +120,7 @@ swap '        ---' '        /// A soft ball that is small beside the wavelength.
             size: f64, such as "0.0001";
         }
         ---' core/src/scene/obstacle.rs
-swap '                Obstacle::Mesh(mesh) => check_mesh' '                Obstacle::Bubble { middle, size, .. } => check_sphere(&item, (*middle, *size), array, medium)?,
+swap '                Obstacle::Mesh(mesh) => check_mesh' '                Obstacle::Bubble { middle, size, .. } => check_sphere(&item, *middle, *size, array, medium)?,
                 Obstacle::Mesh(mesh) => check_mesh' core/src/scene/obstacle.rs
 after '                Obstacle::Wall { .. } => false,' core/src/scene/obstacle.rs <<'RUST'
                 Obstacle::Bubble { middle, size, .. } => distance(*middle, place) < size - ON,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from guided import Data, folder, fuzz, spoilt
-from midair._support.kept import digest
+from midair._support.cache import digest
 from midair._sweep.engine import identity, load, save
 
 ROWS = 3

@@ -71,9 +71,9 @@ if TYPE_CHECKING:
     from ._measuring.player import Fault, Report, Tuning
     from ._measuring.result import Calibration
     from ._measuring.tune import tune
+    from ._pictures.figures import style
     from ._pictures.notebook import solvers
     from ._pictures.plot import plot
-    from ._pictures.sheet import style
     from ._points.ear import Ear, ear
     from ._points.image import Picture, image
     from ._sequence import Felt, Sequence, SequenceMetrics, sequence, stream

@@ -36,7 +36,7 @@ HOMES = {
     "_measuring.tune": "tune",
     "_pictures.notebook": "solvers",
     "_pictures.plot": "plot",
-    "_pictures.sheet": "style",
+    "_pictures.figures": "style",
     "_points.ear": "Ear ear",
     "_points.image": "Picture image",
     "_sequence": "Felt Sequence SequenceMetrics sequence stream",

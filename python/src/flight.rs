@@ -101,7 +101,7 @@ impl Course {
     ) -> PyResult<Self> {
         let (points, [_, count]) = read::batch_of_points("points", &points)?;
         let before = start.as_slice()?.to_vec();
-        let inner = Inner::new(&points, count, wavelength, (response.inner, closed), before).map_err(refused)?;
+        let inner = Inner::new(&points, count, wavelength, response.inner, closed, before).map_err(refused)?;
         Ok(Self { inner: Mutex::new(inner) })
     }
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import midair
-from midair._support import kept as kept_files
+from midair._support import cache
 from midair._sweep import engine, table
 from midair._sweep.block import solve_block
 from midair._sweep.engine import Job
@@ -122,7 +122,7 @@ FORGED: dict[str, Callable[[dict[str, Any]], bytes]] = {
 def test_what_is_forged_is_made_anew(name: str, kept: tuple[Path, dict[str, np.ndarray]]) -> None:
     path, arrays = kept
     content = FORGED[name](arrays)
-    path.write_bytes(content + kept_files.digest(engine.identity(path), content))
+    path.write_bytes(content + cache.digest(engine.identity(path), content))
     found = engine.load(path, 5)
     assert found is None or not table.fits(job(), found)
     assert not Path("sprung").exists()
@@ -141,7 +141,7 @@ def test_a_sweep_over_damaged_chunks_ends_the_same(monkeypatch: pytest.MonkeyPat
     paths[2].write_bytes(paths[2].read_bytes()[:-40])
     paths[3].unlink()
     forged = saved(level=np.zeros(5))
-    paths[4].write_bytes(forged + kept_files.digest(engine.identity(paths[4]), forged))
+    paths[4].write_bytes(forged + cache.digest(engine.identity(paths[4]), forged))
     # A changed number inside an array, with a checksum that does not match.
     paths[5].write_bytes(content[:300] + b"\x01" + content[301:])
     assert equal(midair.sweep(REQUESTED, "table.csv"), whole)

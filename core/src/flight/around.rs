@@ -28,6 +28,7 @@ use crate::math;
 use crate::propagation::field::field;
 use crate::propagation::model::Model;
 use crate::scene::dot;
+use crate::vec3::Vec3;
 
 /// Highest order of the waves.
 const ORDERS: usize = 6;
@@ -114,8 +115,7 @@ impl<'a> Around<'a> {
         control.each(parts, &|((found, places), drives): Part<'_>, control| {
             let mut sound = vec![[[0.0; LANES]; 2]; self.surface.len()];
             for (lane, (place, drive)) in places.iter().zip(drives).enumerate() {
-                let around: Vec<[f64; 3]> =
-                    self.surface.iter().map(|way| [0, 1, 2].map(|axis| place[axis] + way[axis])).collect();
+                let around: Vec<[f64; 3]> = self.surface.iter().map(|way| (Vec3(*place) + *way).0).collect();
                 let pressures = field(self.model, drive, &around, control).map_err(nowhere)?;
                 for (sound, p) in sound.iter_mut().zip(pressures) {
                     (sound[0][lane], sound[1][lane]) = (p.re, p.im);
@@ -195,9 +195,7 @@ fn rule() -> Vec<([f64; 3], f64)> {
                     [1, 1, 3] => 14641.0 / 725_760.0,
                     _ => continue,
                 };
-                let way = [x, y, z].map(f64::from);
-                let length = math::sqrt(dot(way, way));
-                all.push((way.map(|x| x / length), 4.0 * PI * weight));
+                all.push((Vec3([x, y, z].map(f64::from)).unit().0, 4.0 * PI * weight));
             }
         }
     }

@@ -14,6 +14,7 @@ use crate::propagation::Model;
 use crate::propagation::forces::rest::poised;
 use crate::scene::Bead;
 use crate::scene::distance;
+use crate::vec3::Vec3;
 
 /// Largest time between two knots in s. Between such knots, traps deviate by less than 0.1 % from linear interpolation.
 const LONGEST: f64 = 1e-3;
@@ -58,7 +59,8 @@ impl Course {
         frames: &[[f64; 3]],
         points: usize,
         wavelength: f64,
-        (envelope, closed): (Envelope, bool),
+        envelope: Envelope,
+        closed: bool,
         before: Vec<Complex64>,
     ) -> Result<Self, Error> {
         real("rate", envelope.rate, 0.0, true)?;
@@ -99,10 +101,11 @@ impl Course {
         frames: &[[f64; 3]],
         drives: &[Complex32],
         model: &Model,
-        how: (Envelope, bool),
+        envelope: Envelope,
+        closed: bool,
         control: &mut Control,
     ) -> Result<Self, Error> {
-        let ((envelope, closed), transducers) = (how, model.array().len());
+        let transducers = model.array().len();
         let count = drives.len() / transducers;
         if count == 0 || !frames.len().is_multiple_of(count) || !drives.len().is_multiple_of(transducers) {
             return Err(Error::invalid("drives", drives.len(), "give one for each transducer in each frame"));
@@ -114,7 +117,7 @@ impl Course {
             first.iter().map(|q| Complex64::new(f64::from(q.re), f64::from(q.im))).collect()
         };
         let points = frames.len() / count;
-        let mut course = Self::new(frames, points, model.medium().wavelength(), how, before)?;
+        let mut course = Self::new(frames, points, model.medium().wavelength(), envelope, closed, before)?;
         let last = &drives[(count - 1) * transducers..];
         let following = drives.chunks(transducers).skip(1).chain([if closed { first } else { last }]);
         for (now, following) in drives.chunks(transducers).zip(following) {
@@ -183,9 +186,9 @@ impl Course {
         }
         let knots = needed.map_or(lap, |needed| lap.min(needed + 1));
         if knots < 2 {
-            let given = duration.map_or_else(|| "None".into(), |duration| alloc::format!("{duration:?}"));
+            let value = duration.map_or_else(|| "None".into(), |duration| alloc::format!("{duration:?}"));
             let cure = "the sequence is too short for a flight, give more frames";
-            return Err(Error::invalid("duration", given, cure));
+            return Err(Error::invalid("duration", value, cure));
         }
         Ok(knots)
     }
@@ -207,9 +210,8 @@ impl Course {
         };
         let before = (way as usize).min(count - 1);
         let after = if self.closed { (before + 1) % count } else { (before + 1).min(count - 1) };
-        let [from, to] = [before, after].map(|frame| self.frames[frame * self.points + point]);
-        let share = way - before as f64;
-        [0, 1, 2].map(|axis| from[axis] + share * (to[axis] - from[axis]))
+        let [from, to] = [before, after].map(|frame| Vec3(self.frames[frame * self.points + point]));
+        (from + (way - before as f64) * (to - from)).0
     }
 
     /// Returns the places (K, B, 3) of some points (B,) at the first `knots` knots.
@@ -217,9 +219,9 @@ impl Course {
     pub fn ways(&self, knots: usize, points: &[usize]) -> Vec<[f64; 3]> {
         let lap = knots.min(self.lap());
         let knot = |k: usize| points.iter().map(move |&point| self.place(self.time(k as f64), point));
-        let own: Vec<[f64; 3]> = (0..lap).flat_map(knot).collect();
+        let first: Vec<[f64; 3]> = (0..lap).flat_map(knot).collect();
         // The points of later laps are those of the first.
-        own.iter().cycle().take(knots * points.len()).copied().collect()
+        first.iter().cycle().take(knots * points.len()).copied().collect()
     }
 
     /// Returns the velocity in m/s and the acceleration in m/s^2 of a point at the start of a closed sequence; 0 for an
@@ -231,10 +233,10 @@ impl Course {
         }
         let apart = self.spacing().max(LONGEST);
         let [before, here, after] =
-            [-1.0, 0.0, 1.0].map(|side| self.place(self.time(0.0) - self.envelope.tau + apart * side, point));
-        let speed = [0, 1, 2].map(|axis| (after[axis] - before[axis]) / (2.0 * apart));
-        let pulled = |axis: usize| (after[axis] - 2.0 * here[axis] + before[axis]) / (apart * apart);
-        [speed, [0, 1, 2].map(pulled)]
+            [-1.0, 0.0, 1.0].map(|side| Vec3(self.place(self.time(0.0) - self.envelope.tau + apart * side, point)));
+        let speed = (after - before) / (2.0 * apart);
+        let acceleration = (after - 2.0 * here + before) / (apart * apart);
+        [speed.0, acceleration.0]
     }
 
     /// Returns the places (B, 3) in m where beads in the traps of some points (B,) must start, so that they move with
@@ -253,8 +255,8 @@ impl Course {
         let first: Vec<[f64; 3]> = frame.collect();
         let each = points.iter().zip(iter::repeat(self.drive(0)));
         each.map(|(&point, drive)| {
-            let [speed, pulled] = self.moving(point);
-            let force = bead.particle.needed(model.medium(), speed, pulled);
+            let [speed, acceleration] = self.moving(point);
+            let force = bead.particle.needed(model.medium(), speed, acceleration);
             Ok(poised(model, drive, first[point], bead, force, control)?.unwrap_or(first[point]))
         })
         .collect()

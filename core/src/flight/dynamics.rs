@@ -66,7 +66,8 @@ impl Flight {
     #[allow(clippy::too_many_arguments, reason = "a slice a thing")]
     pub(crate) fn fly(
         &self,
-        (set, medium): (InstructionSet, Medium),
+        set: InstructionSet,
+        medium: Medium,
         state: &mut State,
         reach: [f64; 8],
         forces: &[Force],
@@ -78,8 +79,8 @@ impl Flight {
         let laws = self.laws(medium)?;
         let (lap, knots) = (forces.len().saturating_sub(1), places.len());
         if lap == 0 || centres.len() != self.steps * lap + 1 || knots < 2 {
-            let given = format!("{}, centres {}, places {}", forces.len(), centres.len(), knots);
-            return Err(Error::invalid("forces", given, "give steps (K - 1) + 1 centres, K and places at least 2"));
+            let lengths = format!("{}, centres {}, places {}", forces.len(), centres.len(), knots);
+            return Err(Error::invalid("forces", lengths, "give steps (K - 1) + 1 centres, K and places at least 2"));
         }
         let radii = radii(set, forces);
         let [place, speed, pulls @ ..] = state;
@@ -92,10 +93,10 @@ impl Flight {
         }
         for knot in from / self.steps..knots - 1 {
             control.pulse()?;
-            let (first, own) = (knot * self.steps, knot % lap);
-            let centres = &centres[own * self.steps..=(own + 1) * self.steps];
-            let ends = [&forces[own], &forces[own + 1]];
-            let near = core::array::from_fn(|end| radii[own][end].min(radii[own + 1][end]));
+            let (first, of_lap) = (knot * self.steps, knot % lap);
+            let centres = &centres[of_lap * self.steps..=(of_lap + 1) * self.steps];
+            let ends = [&forces[of_lap], &forces[of_lap + 1]];
+            let near = core::array::from_fn(|end| radii[of_lap][end].min(radii[of_lap + 1][end]));
             let last = advance(set, &laws, (ends, near), centres, from.max(first) - first, &mut beads);
             if last == self.steps {
                 places[knot + 1] = *beads.place;

@@ -15,7 +15,8 @@ use crate::flight::dynamics::{Flight, Force, State};
 use crate::math;
 use crate::propagation::Model;
 use crate::scene::geometry::check_finite;
-use crate::scene::{Bead, distance, dot, minus};
+use crate::scene::{Bead, distance};
+use crate::vec3::Vec3;
 
 /// Largest phase in rad that the fastest oscillation advances per step. Its frequency then has an error of 1e-4.
 const ANGLE: f64 = 0.3;
@@ -23,7 +24,7 @@ const ANGLE: f64 = 0.3;
 /// Number of knots (interpolation nodes in time) whose forces are computed together, as one block.
 const KNOTS: usize = 1024;
 /// Number of blocks that are stored for later laps: about 500 MB, in a browser 80 MB.
-const KEPT: usize = if cfg!(target_arch = "wasm32") { 5 } else { 32 };
+const STORED: usize = if cfg!(target_arch = "wasm32") { 5 } else { 32 };
 
 /// Largest number of knots that are simulated in one call.
 const FLOWN: usize = 8192;
@@ -96,7 +97,7 @@ impl Course {
             lost: vec![f64::NAN; beads.len()],
         };
         for (first, some) in (0..).step_by(LANES).zip(beads.chunks(LANES)) {
-            Group::new(self, &around, (model, bead), some, knots, control)?.fly(&mut flown, first, control)?;
+            Group::new(self, &around, model, bead, some, knots, control)?.fly(&mut flown, first, control)?;
         }
         Ok(flown)
     }
@@ -114,7 +115,7 @@ struct Stretch {
 }
 
 /// Forces (K,) at the knots of a stretch, and centres (S, 3) of the cells at the steps.
-struct Found {
+struct Solved {
     forces: Vec<Force>,
     centres: Vec<Vectors>,
 }
@@ -129,7 +130,7 @@ struct Group<'a> {
     /// The number of knots of a lap, or the last knot of the flight if the flight is shorter.
     end: usize,
     cells: Cells,
-    kept: BTreeMap<(usize, Cells), Found>,
+    stored: BTreeMap<(usize, Cells), Solved>,
     state: State,
 }
 
@@ -137,7 +138,8 @@ impl<'a> Group<'a> {
     fn new(
         course: &'a Course,
         around: &'a Around<'a>,
-        (model, bead): (&'a Model, Bead),
+        model: &'a Model,
+        Bead { particle, gravity }: Bead,
         beads: &[BeadStart],
         knots: usize,
         control: &mut Control,
@@ -150,9 +152,8 @@ impl<'a> Group<'a> {
                 state[1][axis][lane] = bead.speed[axis];
             }
         }
-        let Bead { particle, gravity } = bead;
         let unit = around.unit;
-        let mut own = Self {
+        let mut group = Self {
             course,
             around,
             model,
@@ -160,22 +161,22 @@ impl<'a> Group<'a> {
             points: beads.iter().map(|bead| bead.point).collect(),
             end: course.lap().min(knots - 1),
             cells: array::from_fn(|lane| (lane < beads.len()).then_some([0; 3])),
-            kept: BTreeMap::new(),
+            stored: BTreeMap::new(),
             state,
         };
-        own.settle(&own.centres(Stretch { first: 0, count: 0 })[0]);
-        let first = own.stretch(0);
-        let found = own.find(first, control)?;
-        let steps = own.fine(&found.forces);
-        own.flight = Flight { step: course.spacing() / steps as f64, steps, ..own.flight };
-        let centres = own.centres(first);
-        own.kept.insert((first.first, own.cells), Found { centres, ..found });
-        Ok(own)
+        group.settle(&group.centres(Stretch { first: 0, count: 0 })[0]);
+        let first = group.stretch(0);
+        let solved = group.solve(first, control)?;
+        let steps = group.fine(&solved.forces);
+        group.flight = Flight { step: course.spacing() / steps as f64, steps, ..group.flight };
+        let centres = group.centres(first);
+        group.stored.insert((first.first, group.cells), Solved { centres, ..solved });
+        Ok(group)
     }
 
-    /// Simulates the beads of this group, the first of which is bead `own` of the flight. Writes their places, and the times
+    /// Simulates the beads of this group, the first of which is bead `bead` of the flight. Writes their places, and the times
     /// at which beads are lost.
-    fn fly(&mut self, flown: &mut Flown, own: usize, control: &mut Control) -> Result<(), Error> {
+    fn fly(&mut self, flown: &mut Flown, bead: usize, control: &mut Control) -> Result<(), Error> {
         let (count, most) = (flown.lost.len(), LOST * self.model.medium().wavelength());
         let last = flown.points.len() / count - 1;
         let mut first = 0;
@@ -183,9 +184,9 @@ impl<'a> Group<'a> {
             let places = self.through(first, last - first, control)?;
             for lane in 0..self.points.len() {
                 for (knot, all) in (first..).zip(&places) {
-                    let (place, at) = (of(all, lane), knot * count + own + lane);
+                    let (place, at) = (of(all, lane), knot * count + bead + lane);
                     if self.cells[lane].is_some() && distance(place, flown.points[at]) > most {
-                        flown.lost[own + lane] = self.course.time(knot as f64);
+                        flown.lost[bead + lane] = self.course.time(knot as f64);
                         self.cells[lane] = None;
                     }
                     flown.places[at] = if self.cells[lane].is_some() { place } else { [f64::NAN; 3] };
@@ -206,24 +207,34 @@ impl<'a> Group<'a> {
     /// left its cell.
     fn through(&mut self, first: usize, most: usize, control: &mut Control) -> Result<Vec<Vectors>, Error> {
         let (stretch, lap, steps) = (self.stretch(first), self.course.lap(), self.flight.steps);
-        let own = first % lap - stretch.first;
+        let start = first % lap - stretch.first;
         // A short lap is simulated repeatedly with the same forces.
-        let most = most.min(if stretch.count == lap { FLOWN } else { stretch.count - own });
-        let mut places = vec![[[f64::NAN; LANES]; 3]; own + most + 1];
-        places[own] = self.state[0];
-        let (mut step, mut last) = (own * steps, (own + most) * steps);
+        let most = most.min(if stretch.count == lap { FLOWN } else { stretch.count - start });
+        let mut places = vec![[[f64::NAN; LANES]; 3]; start + most + 1];
+        places[start] = self.state[0];
+        let (mut step, mut last) = (start * steps, (start + most) * steps);
         while step < last {
-            if !self.kept.contains_key(&(stretch.first, self.cells)) {
-                let found = self.find(stretch, control)?;
-                if self.kept.len() >= KEPT {
-                    self.kept.clear();
+            if !self.stored.contains_key(&(stretch.first, self.cells)) {
+                let solved = self.solve(stretch, control)?;
+                if self.stored.len() >= STORED {
+                    self.stored.clear();
                 }
-                self.kept.insert((stretch.first, self.cells), found);
+                self.stored.insert((stretch.first, self.cells), solved);
             }
-            let Found { forces, centres } = &self.kept[&(stretch.first, self.cells)];
+            let Solved { forces, centres } = &self.stored[&(stretch.first, self.cells)];
             let reach = self.cells.map(|cell| if cell.is_some() { self.flight.unit } else { f64::NAN });
-            let (set, some) = ((self.model.set, self.model.medium()), &mut places[..=last / steps]);
-            step = self.flight.fly(set, &mut self.state, reach, forces, centres, step, some, control)?;
+            let some = &mut places[..=last / steps];
+            step = self.flight.fly(
+                self.model.set,
+                self.model.medium(),
+                &mut self.state,
+                reach,
+                forces,
+                centres,
+                step,
+                some,
+                control,
+            )?;
             if step < last {
                 last = last.min((step / steps + SOON) * steps);
             }
@@ -231,7 +242,7 @@ impl<'a> Group<'a> {
             self.settle(&centre);
         }
         places.truncate(last / steps + 1);
-        Ok(places.split_off(own))
+        Ok(places.split_off(start))
     }
 
     /// Returns the cells' centres (S, 3) at the steps of a stretch. They follow the points with a delay of the
@@ -242,10 +253,8 @@ impl<'a> Group<'a> {
             let time = self.time(stretch.first as f64 + step as f64 / steps as f64);
             let mut centre = [[0.0; LANES]; 3];
             for (lane, &point) in self.points.iter().enumerate() {
-                let (place, offset) = (self.course.place(time, point), self.offset(lane));
-                for axis in 0..3 {
-                    centre[axis][lane] = place[axis] + offset[axis];
-                }
+                let place = self.offset(lane) + self.course.place(time, point);
+                (0..3).for_each(|axis| centre[axis][lane] = place[axis]);
             }
             centre
         };
@@ -259,43 +268,42 @@ impl<'a> Group<'a> {
     }
 
     /// Returns the centre of a bead's cell relative to its point.
-    fn offset(&self, lane: usize) -> [f64; 3] {
-        self.cells[lane].unwrap_or_default().map(|k| f64::from(k) * LATTICE * self.flight.unit)
+    fn offset(&self, lane: usize) -> Vec3 {
+        Vec3(self.cells[lane].unwrap_or_default().map(|k| f64::from(k) * LATTICE * self.flight.unit))
     }
 
     /// Moves each bead that is outside of its cell, whose centre is given, to the cell that contains it.
     fn settle(&mut self, centre: &Vectors) {
         for lane in 0..self.points.len() {
-            let apart = minus(of(&self.state[0], lane), of(centre, lane));
-            let (unit, offset) = (self.flight.unit, self.offset(lane));
-            if self.cells[lane].is_some() && math::sqrt(dot(apart, apart)) > unit {
-                let nearest = |axis: usize| math::round((apart[axis] + offset[axis]) / (LATTICE * unit)) as i32;
-                self.cells[lane] = Some([0, 1, 2].map(nearest));
+            let (unit, apart) = (self.flight.unit, Vec3(of(&self.state[0], lane)) - of(centre, lane));
+            if self.cells[lane].is_some() && apart.norm() > unit {
+                let way = apart + self.offset(lane);
+                self.cells[lane] = Some(way.map(|x| math::round(x / (LATTICE * unit)) as i32));
             }
         }
     }
 
     /// Returns the forces in the cells at the knots of a stretch. Stored forces of the same bead in the same cell are copied.
-    fn find(&self, stretch: Stretch, control: &mut Control) -> Result<Found, Error> {
+    fn solve(&self, stretch: Stretch, control: &mut Control) -> Result<Solved, Error> {
         let knots = stretch.count + 1;
         control.room("the forces on beads", [LANES, knots], bytes(size_of::<Force>(), &[knots]))?;
         let mut forces = vec![[[[0.0; LANES]; 3]; 84]; knots];
         for lane in (0..self.points.len()).filter(|&lane| self.cells[lane].is_some()) {
             let same = |key: &(usize, Cells)| key.0 == stretch.first && key.1[lane] == self.cells[lane];
-            if let Some((_, known)) = self.kept.iter().find(|(key, _)| same(key)) {
-                for (own, known) in forces.iter_mut().zip(&known.forces) {
-                    let each = own.as_flattened_mut().iter_mut().zip(known.as_flattened());
-                    each.for_each(|(own, known)| own[lane] = known[lane]);
+            if let Some((_, known)) = self.stored.iter().find(|(key, _)| same(key)) {
+                for (force, known) in forces.iter_mut().zip(&known.forces) {
+                    let each = force.as_flattened_mut().iter_mut().zip(known.as_flattened());
+                    each.for_each(|(term, known)| term[lane] = known[lane]);
                 }
                 continue;
             }
-            let (found, which) = self.cell(stretch, lane, control)?;
-            for (own, &k) in forces.iter_mut().zip(&which) {
-                let each = own.as_flattened_mut().iter_mut().zip(found[k].as_flattened());
-                each.for_each(|(own, &force)| own[lane] = force);
+            let (polynomials, which) = self.cell(stretch, lane, control)?;
+            for (force, &k) in forces.iter_mut().zip(&which) {
+                let each = force.as_flattened_mut().iter_mut().zip(polynomials[k].as_flattened());
+                each.for_each(|(term, &coefficient)| term[lane] = coefficient);
             }
         }
-        Ok(Found { forces, centres: self.centres(stretch) })
+        Ok(Solved { forces, centres: self.centres(stretch) })
     }
 
     /// Returns the forces in the cell of one bead, and for each knot (K,) the index of its force. Knots with equal drives and
@@ -310,8 +318,7 @@ impl<'a> Group<'a> {
         let (mut places, mut drives, mut which): (Vec<[f64; 3]>, Vec<&[Complex32]>, Vec<usize>) = Default::default();
         for knot in stretch.first..=stretch.first + stretch.count {
             let knot = knot % lap;
-            let middle = self.course.place(self.time(knot as f64), self.points[lane]);
-            let place = [0, 1, 2].map(|axis| middle[axis] + offset[axis]);
+            let place = (offset + self.course.place(self.time(knot as f64), self.points[lane])).0;
             let drive = self.course.drive(knot);
             // The knot after the last knot of a lap is the first knot of the lap.
             if knot == 0 && !places.is_empty() && stretch.first == 0 {

@@ -6,7 +6,7 @@ use core::f64::consts::PI;
 use crate::error::{Error, real};
 use crate::math;
 use crate::points::contour::{Lines, even, few, spaced};
-use crate::scene::{cross, dot};
+use crate::vec3::Vec3;
 
 /// A curve in space, open or closed.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,14 +136,12 @@ fn axes(normal: [f64; 3]) -> Result<[[f64; 3]; 2], Error> {
     if !(size > 0.0 && size < f64::INFINITY) {
         return Err(Error::invalid("normal", format_args!("{normal:?}"), "give a direction such as [0, 0, 1]"));
     }
-    let normal = normal.map(|x| x / size);
+    let normal = Vec3(normal) / size;
     // A normal along x leaves no direction along x in its plane.
-    let axis = if normal[0].abs() < 0.999 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-    let part = dot(axis, normal);
-    let across = [0, 1, 2].map(|k| axis[k] - normal[k] * part);
-    let length = self::size(across);
-    let across = across.map(|x| x / length);
-    Ok([across, cross(normal, across)])
+    let axis = Vec3(if normal[0].abs() < 0.999 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] });
+    let across = axis - axis.dot(normal) * normal;
+    let across = across / self::size(across.0);
+    Ok([across.0, normal.cross(across).0])
 }
 
 fn size([x, y, z]: [f64; 3]) -> f64 {

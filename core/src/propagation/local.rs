@@ -21,6 +21,7 @@ use crate::math;
 use crate::propagation::jet::{Jet, TERMS};
 use crate::propagation::scattering::sphere::gauss;
 use crate::scene::Medium;
+use crate::vec3::Vec3;
 
 /// The number of heights of the Gauss rule; there are twice as many steps in azimuth.
 const HEIGHTS: usize = 6;
@@ -55,7 +56,7 @@ impl Local {
 
     /// The places on the ball around a point, each with its weights for the Taylor coefficients.
     pub(crate) fn around(&self, point: [f64; 3]) -> impl Iterator<Item = ([f64; 3], &[Complex64; TERMS])> {
-        self.0.iter().map(move |(offset, terms)| ([0, 1, 2].map(|axis| point[axis] + offset[axis]), terms))
+        self.0.iter().map(move |(offset, terms)| ((Vec3(point) + *offset).0, terms))
     }
 
     /// The Taylor polynomials, real and imaginary part, around a point, from the values of `pressure` on the ball.

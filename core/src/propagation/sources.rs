@@ -10,6 +10,7 @@ use crate::error::{Error, ErrorCode};
 use crate::kernels::{Radiation, Source, SourceList, padded};
 use crate::math;
 use crate::scene::{Array, Medium, check_places, distance};
+use crate::vec3::Vec3;
 
 /// An array in a medium, prepared to compute rows of the propagation matrix G. Positions are in wavelengths, relative to the
 /// array's middle.
@@ -102,11 +103,9 @@ impl Sources {
     /// Returns the pressure in Pa of transducer i at a point, at full drive and without its response, in double precision.
     pub(crate) fn sent(&self, i: usize, point: [f64; 3]) -> Complex64 {
         let transducer = self.array.transducer();
-        let from = self.array.positions()[i];
-        let ray = [0, 1, 2].map(|axis| point[axis] - from[axis]);
-        let r = distance(from, point).max(self.medium.wavelength() / 100.0);
-        let normal = self.array.normals()[i];
-        let cos_theta = (0..3).map(|axis| ray[axis] * normal[axis]).sum::<f64>() / r;
+        let ray = Vec3(point) - self.array.positions()[i];
+        let r = ray.norm().max(self.medium.wavelength() / 100.0);
+        let cos_theta = ray.dot(self.array.normals()[i]) / r;
         let k = self.medium.wavenumber();
         let amplitude = transducer.source_pressure / r
             * transducer.directivity.value(cos_theta, k)

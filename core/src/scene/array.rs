@@ -16,6 +16,7 @@ use crate::scene::medium::Medium;
 use crate::scene::origin::Origin;
 use crate::scene::presets;
 use crate::scene::transducer::Transducer;
+use crate::vec3::Vec3;
 
 /// The most transducers that an array may have: far above any array that was built, low enough to catch a typing error.
 const MOST_TRANSDUCERS: usize = 1 << 20;
@@ -229,9 +230,7 @@ impl Array {
 
     /// Distances of a point from the plane of each transducer in m, positive in front of it.
     fn heights(&self, point: [f64; 3]) -> impl Iterator<Item = f64> {
-        let height = move |(place, normal): (&[f64; 3], &[f64; 3])| {
-            (0..3).map(|k| (point[k] - place[k]) * normal[k]).sum::<f64>()
-        };
+        let height = move |(place, normal): (&[f64; 3], &[f64; 3])| (Vec3(point) - *place).dot(*normal);
         self.positions.iter().zip(&*self.normals).map(height)
     }
 

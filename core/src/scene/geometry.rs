@@ -4,7 +4,7 @@ use alloc::format;
 use alloc::vec::Vec;
 
 use crate::error::{Error, ErrorCode, one_each};
-use crate::math;
+use crate::vec3::Vec3;
 
 /// Returns `nx` x `ny` positions `pitch` metres apart, centred on the origin; x varies fastest.
 pub(crate) fn lattice([nx, ny]: [usize; 2], pitch: f64) -> Vec<[f64; 3]> {
@@ -25,25 +25,12 @@ pub(crate) fn bounds(points: &[[f64; 3]]) -> [[f64; 2]; 3] {
 
 /// The dot product a . b.
 pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|axis| a[axis] * b[axis]).sum()
-}
-
-/// The difference a - b.
-pub(crate) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|axis| a[axis] - b[axis])
-}
-
-/// The cross product a x b.
-pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|axis| {
-        let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-        a[next] * b[last] - a[last] * b[next]
-    })
+    Vec3(a).dot(b)
 }
 
 /// The distance between two places.
 pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    math::sqrt((0..3).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum())
+    Vec3(a).distance(b)
 }
 
 /// Checks that there is one position for each transducer, and that all are finite.

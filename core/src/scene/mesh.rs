@@ -7,15 +7,16 @@ use alloc::vec::Vec;
 
 use crate::error::Error;
 use crate::math;
+use crate::scene::geometry::bounds;
 use crate::scene::geometry::vector;
-use crate::scene::geometry::{bounds, cross, distance, dot, minus};
 use crate::scene::surface::Surface;
+use crate::vec3::Vec3;
 
 /// The cure in the error for a face whose corners lie on one line.
 const FLAT: &str = "it has no area: leave it out";
 
 /// The three corners of a triangle, counterclockwise as seen from the air.
-pub(crate) type Triangle = [[f64; 3]; 3];
+pub(crate) type Triangle = [Vec3; 3];
 
 /// A body that waves cannot enter, given by a closed surface of triangles: a hand, a cup, or another shape from a 3D modeller.
 ///
@@ -68,17 +69,15 @@ impl Mesh {
         let mut mesh = Self { vertices, faces, kind, bounds, volume: 0.0 };
         for (f, triangle) in mesh.triangles().enumerate() {
             let twice = area_vector(triangle);
-            if dot(twice, twice) == 0.0 {
+            if twice.dot(twice) == 0.0 {
                 return Err(Error::invalid(name(f), format!("{:?}", mesh.faces[f]), FLAT));
             }
         }
         // Computes the volume by the divergence theorem. Coordinates are relative to a vertex, so that rounding errors
         // stay small.
         let origin = mesh.vertices[0];
-        mesh.volume = mesh
-            .triangles()
-            .map(|[a, b, c]| dot(minus(a, origin), cross(minus(b, origin), minus(c, origin))) / 6.0)
-            .sum();
+        let volume = |[a, b, c]: Triangle| (a - origin).dot((b - origin).cross(c - origin)) / 6.0;
+        mesh.volume = mesh.triangles().map(volume).sum();
         if mesh.volume <= 0.0 {
             let value = format!("inside out (volume {:.3e} m^3)", mesh.volume);
             return Err(Error::invalid("mesh", value, "swap two corners of every face: faces[:, ::-1]"));
@@ -112,7 +111,7 @@ impl Mesh {
 
     /// The faces as triangles.
     pub(crate) fn triangles(&self) -> impl Iterator<Item = Triangle> + Clone {
-        self.faces.iter().map(|face| face.map(|v| self.vertices[v as usize]))
+        self.faces.iter().map(|face| face.map(|v| Vec3(self.vertices[v as usize])))
     }
 
     /// The lowest and highest coordinate along each axis.
@@ -127,7 +126,7 @@ impl Mesh {
 
     /// The distance in m from a place to the surface.
     pub(crate) fn distance(&self, place: [f64; 3]) -> f64 {
-        self.triangles().map(|triangle| away(triangle, place)).fold(f64::INFINITY, f64::min)
+        self.triangles().map(|triangle| away(triangle, Vec3(place))).fold(f64::INFINITY, f64::min)
     }
 
     /// Whether a place is inside the surface: only there do the solid angles of the faces add up to 4 pi.
@@ -140,7 +139,7 @@ impl Mesh {
 
     /// The winding number of the surface at a place: 1 inside, 0 outside. It is the sum of the faces' solid angles over 4 pi.
     pub(crate) fn winding(&self, place: [f64; 3]) -> f64 {
-        let angle = |corners: Triangle| solid_angle(corners.map(|corner| minus(corner, place)));
+        let angle = |corners: Triangle| solid_angle(corners.map(|corner| corner - place));
         self.triangles().map(angle).sum::<f64>() / (2.0 * core::f64::consts::TAU)
     }
 }
@@ -169,48 +168,45 @@ fn closed(faces: &[[u32; 3]], name: impl Fn(usize) -> String) -> Result<(), Erro
 }
 
 /// The vector along the triangle's normal whose length is twice the area.
-pub(crate) fn area_vector([a, b, c]: Triangle) -> [f64; 3] {
-    cross(minus(b, a), minus(c, a))
+pub(crate) fn area_vector([a, b, c]: Triangle) -> Vec3 {
+    (b - a).cross(c - a)
 }
 
 /// Splits a triangle into parts of at most `area` in m^2, with edges of at most `edge` in m, and calls `each` on them. A larger
 /// triangle is halved across its longest edge.
 pub(crate) fn halved(triangle: Triangle, area: f64, edge: f64, each: &mut impl FnMut(Triangle)) {
     let [a, b, c] = triangle;
-    let lengths = [distance(a, b), distance(b, c), distance(c, a)];
+    let lengths = [a.distance(b), b.distance(c), c.distance(a)];
     let longest = (0..3).fold(0, |best, k| if lengths[k] > lengths[best] { k } else { best });
-    let twice = area_vector(triangle);
-    if lengths[longest] <= edge && 0.5 * math::sqrt(dot(twice, twice)) <= area {
+    if lengths[longest] <= edge && 0.5 * area_vector(triangle).norm() <= area {
         return each(triangle);
     }
     let [p, q, r] = [0, 1, 2].map(|k| triangle[(longest + k) % 3]);
-    let middle = [0, 1, 2].map(|axis| 0.5 * (p[axis] + q[axis]));
+    let middle = 0.5 * (p + q);
     halved([p, middle, r], area, edge, each);
     halved([middle, q, r], area, edge, each);
 }
 
 /// The distance in m from a place to a triangle.
-fn away([a, b, c]: Triangle, place: [f64; 3]) -> f64 {
+fn away([a, b, c]: Triangle, place: Vec3) -> f64 {
     let normal = area_vector([a, b, c]);
-    let inner = [[a, b], [b, c], [c, a]]
-        .iter()
-        .all(|[from, to]| dot(cross(minus(*to, *from), minus(place, *from)), normal) >= 0.0);
-    if inner {
-        return (dot(minus(place, a), normal) / math::sqrt(dot(normal, normal))).abs();
+    let edges = [[a, b], [b, c], [c, a]];
+    if edges.iter().all(|&[from, to]| (to - from).cross(place - from).dot(normal) >= 0.0) {
+        return ((place - a).dot(normal) / normal.norm()).abs();
     }
-    let edge = |[from, to]: [[f64; 3]; 2]| {
-        let along = minus(to, from);
-        let part = (dot(minus(place, from), along) / dot(along, along)).clamp(0.0, 1.0);
-        distance(place, [0, 1, 2].map(|axis| from[axis] + part * along[axis]))
+    let edge = |[from, to]: [Vec3; 2]| {
+        let along = to - from;
+        let part = ((place - from).dot(along) / along.dot(along)).clamp(0.0, 1.0);
+        place.distance(from + part * along)
     };
-    [[a, b], [b, c], [c, a]].map(edge).into_iter().fold(f64::INFINITY, f64::min)
+    edges.map(edge).into_iter().fold(f64::INFINITY, f64::min)
 }
 
 /// The solid angle of a triangle as seen from the origin. It is above 0 if the origin is behind the triangle, and below 0 in
 /// front of it (A. Van Oosterom and J. Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed. Eng. 30, 125,
 /// 1983).
 fn solid_angle([a, b, c]: Triangle) -> f64 {
-    let [x, y, z] = [a, b, c].map(|corner| math::sqrt(dot(corner, corner)));
-    let across = x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y;
-    2.0 * math::atan2(dot(a, cross(b, c)), across)
+    let [x, y, z] = [a, b, c].map(Vec3::norm);
+    let across = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
+    2.0 * math::atan2(a.dot(b.cross(c)), across)
 }

@@ -35,7 +35,7 @@ pub use bead::{Bead, Particle};
 pub use choice::Choice;
 pub use directivity::{Directivity, Parameter};
 pub(crate) use extent::{check_array, check_places};
-pub(crate) use geometry::{check_positions, cross, distance, dot, minus};
+pub(crate) use geometry::{check_positions, distance, dot};
 pub use key::Key;
 pub use medium::{Medium, spl};
 pub use mesh::Mesh;

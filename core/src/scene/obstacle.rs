@@ -103,12 +103,12 @@ impl Obstacles {
             let item = format!("obstacles[{k}]");
             match obstacle {
                 Obstacle::Wall { point, normal, kind } => {
-                    let mirror = mirror(&item, (*point, *normal, *kind), array, medium)?;
+                    let mirror = mirror(&item, *point, *normal, *kind, array, medium)?;
                     walls.iter().try_for_each(|(other, before)| compatible((k, &mirror), (*other, before)))?;
                     walls.push((k, mirror));
                 }
                 Obstacle::Sphere { center, radius, .. } => {
-                    check_sphere(&item, (*center, *radius), array, medium)?;
+                    check_sphere(&item, *center, *radius, array, medium)?;
                     if given.len() > 1 {
                         let cure = "its series knows of no other obstacle: give it as a mesh";
                         return Err(Error::new(ErrorCode::SphereAmong, item, "a sphere among others", cure));
@@ -194,7 +194,7 @@ impl Obstacles {
         let mut count = 0.0;
         for (k, obstacle) in self.given.iter().enumerate() {
             let Obstacle::Mesh(mesh) = obstacle else { continue };
-            count += mesh.triangles().map(|triangle| (size(triangle) / area).max(1.0)).sum::<f64>();
+            count += mesh.triangles().map(|triangle| (0.5 * area_vector(triangle).norm() / area).max(1.0)).sum::<f64>();
             if count > MOST_ELEMENTS {
                 let [x, y, z] = mesh.extent();
                 let value = format!("{count:.0} elements ({x:.3} x {y:.3} x {z:.3} m, {} faces)", mesh.faces().len());
@@ -236,13 +236,7 @@ pub(crate) fn element_size(medium: Medium) -> [f64; 2] {
     [0.433 * edge * edge, 2.0 * edge]
 }
 
-/// The area of a triangle in m^2.
-fn size(triangle: [[f64; 3]; 3]) -> f64 {
-    let twice = area_vector(triangle);
-    0.5 * distance(twice, [0.0; 3])
-}
-
-fn check_sphere(item: &str, (center, radius): ([f64; 3], f64), array: &Array, medium: Medium) -> Result<(), Error> {
+fn check_sphere(item: &str, center: [f64; 3], radius: f64, array: &Array, medium: Medium) -> Result<(), Error> {
     vector(&format!("{item}.center"), &center)?;
     let name = format!("{item}.radius");
     real(&name, radius, 0.0, true)?;

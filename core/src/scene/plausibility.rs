@@ -9,16 +9,16 @@ use alloc::vec::Vec;
 use core::ops::RangeInclusive;
 
 use crate::error::{ErrorCode, Notice};
-use crate::math::sqrt;
 use crate::scene::array::Array;
 use crate::scene::bead::{Bead, Particle};
-use crate::scene::geometry::{distance, dot};
+use crate::scene::geometry::distance;
 use crate::scene::medium::Medium;
 use crate::scene::neighbours::Neighbours;
 use crate::scene::obstacle::Obstacle;
 use crate::scene::origin::Origin;
 use crate::scene::plane::Plane;
 use crate::scene::request::Request;
+use crate::vec3::Vec3;
 
 /// Plausible frequencies in Hz. Air-coupled arrays use 20 kHz to 1 MHz; the margin is for audible and laboratory frequencies.
 const FREQUENCY: RangeInclusive<f64> = 5e3..=2e6;
@@ -284,10 +284,7 @@ pub(crate) fn beside(array: &Array, medium: Medium, points: &[[f64; 3]]) -> Opti
 pub(crate) fn distant(array: &Array, obstacles: &[Obstacle]) -> Option<Notice> {
     let centre = array.centre();
     let away = |obstacle: &Obstacle| match (obstacle, obstacle.bounds()) {
-        (Obstacle::Wall { point, normal, .. }, _) => {
-            let apart: [f64; 3] = core::array::from_fn(|axis| centre[axis] - point[axis]);
-            dot(apart, *normal).abs() / sqrt(dot(*normal, *normal))
-        }
+        (Obstacle::Wall { point, normal, .. }, _) => (Vec3(centre) - *point).dot(*normal).abs() / Vec3(*normal).norm(),
         (_, Some(bounds)) => {
             let nearest: [f64; 3] = core::array::from_fn(|axis| centre[axis].clamp(bounds[axis][0], bounds[axis][1]));
             distance(nearest, centre)

@@ -9,7 +9,7 @@ use num_complex::Complex64;
 use crate::error::{Error, find, one_each};
 use crate::math;
 use crate::scene::Array;
-use crate::scene::geometry::dot;
+use crate::vec3::Vec3;
 
 /// Factors s_ji that turn foci into traps. While a scene is solved, they multiply the responses; the played drive does not
 /// contain them. If the drive q makes `sum_i G_ji s_ji q_i` a strong focus at point j, the real field `sum_i G_ji q_i` is a
@@ -167,17 +167,17 @@ impl Signature {
             return alloc::vec![Complex64::ONE; n];
         }
         if let Self::Given(factors) = self {
-            let own = if factors.len() == n { 0..n } else { j * n..(j + 1) * n };
-            return factors[own].to_vec();
+            let of_point = if factors.len() == n { 0..n } else { j * n..(j + 1) * n };
+            return factors[of_point].to_vec();
         }
         let [across, third, axis] = frame(array.normals());
-        let from = array.positions().iter().map(|from| [0, 1, 2].map(|x| from[x] - point[x]));
+        let from = array.positions().iter().map(|&from| Vec3(from) - point);
         let sign = |below: bool| Complex64::new(if below { -1.0 } else { 1.0 }, 0.0);
         if *self == Self::Twin {
-            return from.map(|from| sign(dot(from, across) < 0.0)).collect();
+            return from.map(|from| sign(from.dot(across) < 0.0)).collect();
         }
         if *self == Self::Trap {
-            let above: Vec<bool> = from.clone().map(|from| dot(from, axis) > 0.0).collect();
+            let above: Vec<bool> = from.clone().map(|from| from.dot(axis) > 0.0).collect();
             let mut sides = [0.0; 2];
             above.iter().zip(reach).for_each(|(&above, reach)| sides[usize::from(above)] += reach);
             if sides[0].min(sides[1]) >= FACING * sides[0].max(sides[1]) {
@@ -185,7 +185,7 @@ impl Signature {
             }
         }
         from.map(|from| {
-            let [x, y] = [dot(from, across), dot(from, third)];
+            let [x, y] = [from.dot(across), from.dot(third)];
             let r = math::hypot(x, y);
             if r > 0.0 { Complex64::new(x / r, y / r) } else { Complex64::ONE }
         })
@@ -195,7 +195,7 @@ impl Signature {
 
 /// Returns three unit vectors: across the array (as near to x as possible, or to y for an array along x), the third axis of the
 /// right-handed frame, and the array's axis. The largest component of the axis is above 0.
-fn frame(normals: &[[f64; 3]]) -> [[f64; 3]; 3] {
+fn frame(normals: &[[f64; 3]]) -> [Vec3; 3] {
     let mut scatter = [[0.0; 3]; 3];
     for n in normals {
         for (row, x) in scatter.iter_mut().zip(n) {
@@ -209,15 +209,8 @@ fn frame(normals: &[[f64; 3]]) -> [[f64; 3]; 3] {
         scatter = [0, 1, 2].map(|x| [0, 1, 2].map(|y| (0..3).map(|k| old[x][k] * old[k][y]).sum()));
     }
     let largest = (0..3).fold(0, |best, x| if scatter[x][x] > scatter[best][best] { x } else { best });
-    let axis = normalised(scatter[largest]);
-    let near = if axis[0].abs() > 0.9 { [0.0, 1.0, 0.0] } else { [1.0, 0.0, 0.0] };
-    let along = dot(near, axis);
-    let across = normalised([0, 1, 2].map(|x| near[x] - along * axis[x]));
-    let third = [[1, 2], [2, 0], [0, 1]].map(|[y, z]| axis[y] * across[z] - axis[z] * across[y]);
-    [across, third, axis]
-}
-
-fn normalised(v: [f64; 3]) -> [f64; 3] {
-    let length = math::sqrt(dot(v, v));
-    v.map(|x| x / length)
+    let axis = Vec3(scatter[largest]).unit();
+    let near = Vec3(if axis[0].abs() > 0.9 { [0.0, 1.0, 0.0] } else { [1.0, 0.0, 0.0] });
+    let across = (near - near.dot(axis) * axis).unit();
+    [across, axis.cross(across), axis]
 }

@@ -4,10 +4,10 @@ use alloc::format;
 
 use crate::error::{Error, ErrorCode};
 use crate::math;
-use crate::scene::geometry::dot;
 use crate::scene::geometry::vector;
 use crate::scene::surface::{ON, Surface};
 use crate::scene::{Array, Medium};
+use crate::vec3::Vec3;
 
 /// Two normals are at a right angle if the modulus of their cosine is below this, which allows for rounding.
 const SQUARE: f64 = 1e-6;
@@ -15,34 +15,34 @@ const SQUARE: f64 = 1e-6;
 /// A reflecting plane with a unit normal on the array's side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mirror {
-    point: [f64; 3],
-    normal: [f64; 3],
+    point: Vec3,
+    normal: Vec3,
     pub(crate) kind: Surface,
 }
 
 impl Mirror {
     /// The distance in m of a place in front of the plane; negative behind it.
-    pub(crate) fn height(&self, place: [f64; 3]) -> f64 {
-        dot([0, 1, 2].map(|x| place[x] - self.point[x]), self.normal)
+    pub(crate) fn height(&self, place: impl Into<Vec3>) -> f64 {
+        (place.into() - self.point).dot(self.normal)
     }
 
     /// The mirror image of a place.
-    pub(crate) fn place(&self, place: [f64; 3]) -> [f64; 3] {
-        let height = self.height(place);
-        [0, 1, 2].map(|x| place[x] - 2.0 * height * self.normal[x])
+    pub(crate) fn place(&self, place: Vec3) -> Vec3 {
+        place - 2.0 * self.height(place) * self.normal
     }
 
     /// The mirror image of a direction.
-    pub(crate) fn direction(&self, direction: [f64; 3]) -> [f64; 3] {
-        let along = dot(direction, self.normal);
-        [0, 1, 2].map(|x| direction[x] - 2.0 * along * self.normal[x])
+    pub(crate) fn direction(&self, direction: Vec3) -> Vec3 {
+        direction - 2.0 * direction.dot(self.normal) * self.normal
     }
 }
 
 /// Returns the mirror of a wall. Its normal points to the side of the array.
 pub(crate) fn mirror(
     item: &str,
-    (point, normal, kind): ([f64; 3], [f64; 3], Surface),
+    point: [f64; 3],
+    normal: [f64; 3],
+    kind: Surface,
     array: &Array,
     medium: Medium,
 ) -> Result<Mirror, Error> {
@@ -56,11 +56,9 @@ pub(crate) fn mirror(
             "give the direction the wall faces",
         ));
     }
-    let scaled = normal.map(|x| x / largest);
-    let length = math::sqrt(dot(scaled, scaled));
-    let mut mirror = Mirror { point, normal: scaled.map(|x| x / length), kind };
+    let mut mirror = Mirror { point: Vec3(point), normal: (Vec3(normal) / largest).unit(), kind };
     if mirror.height(array.centre()) < -ON {
-        mirror.normal = mirror.normal.map(|x| -x);
+        mirror.normal = -mirror.normal;
     }
     if let Some(i) = array.positions().iter().position(|&position| mirror.height(position) < -ON) {
         let cure = format!("it crosses the array, transducer {i} is behind it: move the wall or the array");
@@ -77,8 +75,8 @@ pub(crate) fn mirror(
 
 /// Checks that two walls are compatible. Image sources give the right reflections only for walls that are parallel or at right
 /// angles.
-pub(crate) fn compatible((k, own): (usize, &Mirror), (other, before): (usize, &Mirror)) -> Result<(), Error> {
-    let cosine = dot(own.normal, before.normal);
+pub(crate) fn compatible((k, wall): (usize, &Mirror), (other, before): (usize, &Mirror)) -> Result<(), Error> {
+    let cosine = wall.normal.dot(before.normal);
     if cosine.abs() > SQUARE && cosine.abs() < 1.0 - SQUARE {
         let angle = math::acos(cosine).to_degrees();
         let cure = format!(

@@ -4,6 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use crate::math;
+use crate::vec3::Vec3;
 
 /// Highest frequency, in Hz, of vibration that the skin perceives.
 pub const HIGHEST: f64 = 1000.0;
@@ -104,8 +105,8 @@ pub fn strength(slow: f64, fast: f64) -> f64 {
 #[must_use]
 pub fn felt_width(values: &[f64], places: &[[f64; 3]], middle: usize) -> f64 {
     let apart = |place: &[f64; 3]| {
-        let [x, y, z] = [0, 1, 2].map(|axis| place[axis] - places[middle][axis]);
-        x * x + y * y + z * z
+        let way = Vec3(*place) - places[middle];
+        way.dot(way)
     };
     let below = values.iter().zip(places).filter(|&(&value, _)| value < values[middle] / 2.0);
     2.0 * math::sqrt(below.map(|(_, place)| apart(place)).fold(f64::INFINITY, f64::min))

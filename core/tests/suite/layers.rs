@@ -15,6 +15,7 @@ const CORE: &[&str] = &[
     "threads",
     "control",
     "math",
+    "vec3",
     "rng",
     "kernels",
     "device",

@@ -30,11 +30,11 @@ BOARD = "autd3"
 
 def arrays(named: Mapping[str, Array]) -> Figure:
     """Draw each array: flat ones from above, others in perspective; colours show the transducers' order."""
-    from .._pictures.sheet import sheet
+    from .._pictures.figures import new_figure
 
     columns = min(len(named), COLUMNS)
     rows = -(-len(named) // columns)
-    figure = sheet(3.3 * columns + 0.9, 3.4 * rows + 0.4)
+    figure = new_figure(3.3 * columns + 0.9, 3.4 * rows + 0.4)
     axes = []
     shades: Any = None
     for k, (name, array) in enumerate(named.items(), 1):

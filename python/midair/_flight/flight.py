@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from .._pictures.sheet import Size
+    from .._pictures.figures import Size
 
 #: The panels of a flight's picture.
 Way = Literal["path", "distance"]
@@ -100,13 +100,13 @@ class Flight:
         SceneError
             If a panel or the size is invalid.
         """
-        from .._pictures.sheet import chosen, sheet, whole
+        from .._pictures.figures import chosen, new_figure, whole
 
         names = chosen(panels, get_args(Way), ax)
         if ax is not None:
             _draw(self, names[0], ax)
             return whole(ax)
-        figure = sheet(4.8 * len(names), 4.0, size)
+        figure = new_figure(4.8 * len(names), 4.0, size)
         for name, one in zip(names, figure.subplots(1, len(names), squeeze=False)[0], strict=True):
             _draw(self, name, one)
         return figure

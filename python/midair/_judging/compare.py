@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from .._pictures.colours import Map, Quantity
-    from .._pictures.sheet import Size
+    from .._pictures.figures import Size
 
 #: Largest number of points for which `midair.bound` is computed.
 BOUND_POINTS = 64
@@ -145,8 +145,8 @@ class Comparison:
         SceneError
             If the quantity, the colour map, a panel or the size is invalid; for a matrix, which has no field.
         """
+        from .._pictures.figures import chosen
         from .._pictures.plot import contact_sheet
-        from .._pictures.sheet import chosen
 
         names = chosen(panels, self.names, ax)
         fields = []

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .._pictures.colours import Map
-    from .._pictures.sheet import Size
+    from .._pictures.figures import Size
 
 #: Arrows per side, and the fraction of the largest force below which no arrow is drawn.
 ARROWS, FAINT = 20, 0.05
@@ -26,7 +26,7 @@ ARROWS, FAINT = 20, 0.05
 
 def draw(streaming: Streaming, ax: Axes | None, cmap: Map | None, size: Size | None) -> Axes:
     """Draw the map of the force."""
-    from .._pictures.sheet import colour_map, sheet
+    from .._pictures.figures import colour_map, new_figure
 
     field = streaming.field
     if field.plane is None:
@@ -35,7 +35,7 @@ def draw(streaming: Streaming, ax: Axes | None, cmap: Map | None, size: Size | N
         import matplotlib.pyplot as plt
 
         empty = size is None and plt.get_fignums() and not plt.gca().has_data()
-        ax = plt.gca() if empty else sheet(6.4, 4.8, size, plt.figure).subplots()
+        ax = plt.gca() if empty else new_figure(6.4, 4.8, size, plt.figure).subplots()
     top = float(streaming.force.max())
     image = paint(field, ax, streaming.force, colour_map(cmap, MAPS["pressure"]), (0.0, top or 1.0))
     image.set_interpolation("bicubic")

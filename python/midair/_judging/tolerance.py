@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from .._pictures.sheet import Size
+    from .._pictures.figures import Size
 
 #: Sound speed in m/s at 0 degrees C, and that temperature in K: docs/conventions.md.
 SPEED, ZERO = 331.3, 273.15
@@ -135,12 +135,12 @@ def draw(
     tolerance: Tolerance, ax: Axes | None, panels: Panel | Iterable[Panel] | None, size: Size | None
 ) -> Figure:
     """Draw level and uniformity: a dot per trial, a line at the mean, a tick at the 5 % quantile."""
-    from .._pictures.sheet import chosen, head, sheet, whole
+    from .._pictures.figures import chosen, head, new_figure, whole
 
     names = chosen(panels, PANELS, ax)
     rows = list(tolerance.rows)
     if ax is None:
-        figure: Figure = sheet(4.5 * len(names), 1.8 + 0.5 * len(rows), size)
+        figure: Figure = new_figure(4.5 * len(names), 1.8 + 0.5 * len(rows), size)
         axes = list(figure.subplots(1, len(names), sharey=True, squeeze=False)[0])
     else:
         figure, axes = whole(ax), [ax]

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from .._midair import Scene, SceneError, Solution, about, judge, numbers, solve, solvers, stated, unknown_name
 from .._support.arguments import callback, refused, whole
-from .._support.kept import Arrays
+from .._support.cache import Arrays
 from .._sweep.engine import Job, Settings, Stopped, go_on, run
 from .tolerance import TOGETHER, Kept, Tolerance, faulty, sizes
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from .._pictures.colours import Map
-    from .._pictures.sheet import Size
+    from .._pictures.figures import Size
 
 
 #: The panels of a calibration's picture.
@@ -38,11 +38,11 @@ def draw(
     size: Size | None,
 ) -> Figure:
     """Draw gains and phases of the transducers from above, and the residuals of the readings."""
-    from .._pictures.sheet import chosen, colour_map, sheet, whole
+    from .._pictures.figures import chosen, colour_map, new_figure, whole
 
     names = chosen(panels, PANELS, ax)
     if ax is None:
-        figure: Figure = sheet(4.0 * len(names), 3.8, size)
+        figure: Figure = new_figure(4.0 * len(names), 3.8, size)
         axes = list(figure.subplots(1, len(names), squeeze=False)[0])
     else:
         figure, axes = whole(ax), [ax]

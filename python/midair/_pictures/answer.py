@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
 
     from .colours import Map
-    from .sheet import Size
+    from .figures import Size
 
 #: Number of points for which the distance to the nearest other point is computed.
 SAMPLE = 200
@@ -158,7 +158,7 @@ def answer(
     SceneError
         If the quantity, the colour map, a panel or the size is invalid.
     """
-    from .sheet import chosen, head, sheet, whole
+    from .figures import chosen, head, new_figure, whole
 
     scene, metrics = solution.scene, solution.metrics
     known = PANELS if scene is not None else PANELS[1:]
@@ -175,21 +175,21 @@ def answer(
     # For a single point the heading already contains the numbers of the bar.
     bars = ("points" in drawn and (panels is not None or len(solution.pressures) > 1)) or not fields
     if drawing:
-        figure = sheet(12.6, 7.2, size)
+        figure = new_figure(12.6, 7.2, size)
         upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(4.4, 2.4)).flat
     elif not bars:
         columns, rows = shape(fields)
-        figure = sheet(3.8 * columns + 1.2, 3.6 * rows + 1.0, size)
+        figure = new_figure(3.8 * columns + 1.2, 3.6 * rows + 1.0, size)
         upper = figure
     elif len(fields) > 1:
         columns, rows = shape(fields)
-        figure = sheet(max(3.4 * columns + 0.9, 8.0), 3.6 * rows + 4.0, size)
+        figure = new_figure(max(3.4 * columns + 0.9, 8.0), 3.6 * rows + 4.0, size)
         upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(3.6 * rows + 0.3, 3.2)).flat
     elif fields:
-        figure = sheet(11.0, 4.9, size)
+        figure = new_figure(11.0, 4.9, size)
         upper, lower = figure.subfigures(1, 2, squeeze=False, width_ratios=(1.0, 1.1)).flat
     else:
-        figure = sheet(6.4, 4.4, size)
+        figure = new_figure(6.4, 4.4, size)
         lower = figure
     if drawing:
         wanted_made_difference(upper, fields[0], solution, quantity)

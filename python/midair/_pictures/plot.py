@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from .colours import Map
-    from .sheet import Size
+    from .figures import Size
 
 
 class OwnPicture(Protocol):
@@ -104,7 +104,7 @@ def plot(
     >>> axes.get_xlabel()
     'x / mm'
     """
-    from .sheet import head, whole
+    from .figures import head, whole
 
     if isinstance(what, Solution):
         if what.scene is None:
@@ -152,7 +152,7 @@ def _window(panels: Sequence[Field], size: Size | None) -> list[Axes]:
     """Return pyplot's current axes if they are empty, else new ones for each panel."""
     import matplotlib.pyplot as plt
 
-    from .sheet import sheet
+    from .figures import new_figure
 
     if plt.get_fignums() and size is None:
         figure = plt.gcf()
@@ -163,7 +163,7 @@ def _window(panels: Sequence[Field], size: Size | None) -> list[Axes]:
             return grid(figure, panels)
     columns, rows = shape(panels)
     sides = (6.4, 4.8) if len(panels) == 1 else (3.4 * columns + 0.9, 3.4 * rows + 1.0)
-    return grid(sheet(*sides, size, plt.figure), panels)
+    return grid(new_figure(*sides, size, plt.figure), panels)
 
 
 def picture(
@@ -176,7 +176,7 @@ def picture(
     cmap: Map | None = None,
 ) -> None:
     """Draw fields of one scene into axes, with a common scale and one colour bar."""
-    from .sheet import colour_map
+    from .figures import colour_map
 
     if other := [ax for ax in axes if not hasattr(ax, "imshow")]:
         raise TypeError(
@@ -190,7 +190,7 @@ def picture(
 
 def title(ax: Axes, field: Field, lines: Sequence[str] = ()) -> None:
     """Write the plane's name above a panel, below the lines of a heading. Journal styles have no heading."""
-    from .sheet import holding
+    from .figures import holding
 
     above = lines if holding() is None else []
     ax.set_title("\n".join([*above, place(field)]), fontsize="medium", wrap=True)
@@ -213,14 +213,14 @@ def contact_sheet(
 
     Axes given by the caller get one panel: the first of the first field.
     """
-    from .sheet import head, holding, sheet, whole
+    from .figures import head, holding, new_figure, whole
 
     rows = [field.panels for field in fields] if ax is None else [fields[0].panels[:1]]
     width = len(rows[0])
     columns = width if width > 1 else min(len(rows), 3)
     height = -(-len(rows) * width // columns)
     panels = [panel for row in rows for panel in row]
-    figure = whole(ax) if ax else sheet(3.6 * columns + 0.9, 3.7 * height + 0.6, size)
+    figure = whole(ax) if ax else new_figure(3.6 * columns + 0.9, 3.7 * height + 0.6, size)
     axes = [ax] if ax else grid(figure, panels, columns)
     picture(panels, axes, quantity, loudest=common_top(rows), cmap=cmap)
     for k, (panel, panel_ax) in enumerate(zip(panels, axes, strict=True)):

@@ -20,7 +20,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
 from .._midair import Boundary, SceneError, stated
-from .._support import kept
+from .._support import cache
 from .._support.arguments import needs
 from .._support.ctrl_c import interruptibly
 
@@ -104,7 +104,7 @@ def path(content: bytes) -> tuple[Path, str]:
 
 def load(content: bytes, shape: tuple[int, int]) -> NDArray[np.complex64] | None:
     """Load a cached solution; None if it is missing or damaged."""
-    arrays = kept.load(*path(content)) or {}
+    arrays = cache.load(*path(content)) or {}
     found = arrays.get("sound")
     return found if found is not None and found.dtype == np.complex64 and found.shape == shape else None
 
@@ -113,13 +113,13 @@ def store(content: bytes, sound: NDArray[np.complex64]) -> None:
     """Store a solution if possible; errors are ignored, because the cache is only an aid."""
     target, identity = path(content)
     with suppress(SceneError, OSError):
-        kept.save(target, identity, {"sound": sound})
+        cache.save(target, identity, {"sound": sound})
         prune(target.parent)
 
 
 def prune(where: Path) -> None:
     """Remove the oldest files beyond MOST bytes."""
-    files = [file for file in kept.inside(where) if OWN.fullmatch(file.name)]
+    files = [file for file in cache.inside(where) if OWN.fullmatch(file.name)]
     size = 0
     for file in sorted(files, key=lambda file: file.stat().st_mtime, reverse=True):
         size += file.stat().st_size

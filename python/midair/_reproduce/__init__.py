@@ -12,7 +12,7 @@ from typing import NamedTuple
 from matplotlib.figure import Figure as Picture
 
 from .._midair import stated, unknown_name
-from .._support.kept import locked
+from .._support.cache import locked
 from . import drawing, fig2, fig3, fig5, fig7, tables
 from .tables import Found, Run, Tell, Verdict, silent
 

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from .. import _midair
 from .._midair import Array, Plane, Scene
-from .._pictures.sheet import FONTS
+from .._pictures.figures import FONTS
 from .._support import output
-from .._support.kept import Arrays
+from .._support.cache import Arrays
 from . import tables
 from .scenes import PITCH, Method, Options, Z
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .. import _midair
 from .._midair import Array, Scene
-from .._support.kept import Arrays
+from .._support.cache import Arrays
 from .._sweep.engine import Job
 from . import drawing, scenes, tables
 from .scenes import PAPER, TIMED, Options

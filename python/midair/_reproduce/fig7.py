@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from .. import _midair
-from .._support.kept import Arrays
+from .._support.cache import Arrays
 from .._sweep.engine import Job
 from . import drawing, scenes, tables
 from .scenes import Options

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._support import output
-from .._support.kept import Arrays
+from .._support.cache import Arrays
 from .._sweep.engine import Job, run
 
 Outcome = Literal["holds", "holds in part", "does not hold"]

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.image import AxesImage
 
     from .._pictures.colours import Map
-    from .._pictures.sheet import Size
+    from .._pictures.figures import Size
     from .judged import JudgedFrames
 
 #: The panels of a sequence's picture.
@@ -47,7 +47,7 @@ def motion(
 
     Frames or transducers that share a cell show their least |p| / target and their largest change.
     """
-    from .._pictures.sheet import chosen, colour_map, head, sheet, whole
+    from .._pictures.figures import chosen, colour_map, head, new_figure, whole
 
     names = chosen(panels, PANELS, ax)
     colours = colour_map(cmap, MAPS["pressure"])
@@ -55,7 +55,7 @@ def motion(
         _draw(sequence, names[0], ax, colours)
         return whole(ax)
     heights = [HEIGHTS[name] for name in names]
-    figure = sheet(9.6, 0.6 + 2.3 * sum(heights), size)
+    figure = new_figure(9.6, 0.6 + 2.3 * sum(heights), size)
     axes = figure.subplots(len(names), 1, height_ratios=heights, squeeze=False)[:, 0]
     for name, one in zip(names, axes, strict=True):
         _draw(sequence, name, one, colours)

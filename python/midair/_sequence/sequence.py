@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from .._pictures.colours import Map
-    from .._pictures.sheet import Size
+    from .._pictures.figures import Size
     from .picture import Panel
 
 

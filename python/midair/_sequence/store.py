@@ -18,7 +18,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from .._midair import Scene, SceneWarning, stated
-from .._support import kept, output
+from .._support import cache, output
 from .._support.arguments import path_of, refused
 from .._support.text import arrays
 from . import files
@@ -90,7 +90,7 @@ def solved(
             raise refused("resume", target, cure)
     folder = target.with_name(target.name + ENDING)
     total = len(requested.points)
-    with kept.locked(folder):
+    with cache.locked(folder):
         pieces = Pieces(folder, request)
         done = 0
         while done < total and (piece := pieces.load(done)) is not None:
@@ -102,7 +102,7 @@ def solved(
             if progress is not None:
                 progress(min(first + block, total), total)
         _assemble(target, pieces, requested, setting, found.board, block)
-        kept.remove(folder, OWN)
+        cache.remove(folder, OWN)
     return Sequence.load(target)
 
 
@@ -132,7 +132,7 @@ class Pieces:
         self._folder = folder
         self.request = request
         path = folder / REQUEST
-        with kept.refusing(path):
+        with cache.refusing(path):
             other = path.read_bytes() if path.is_file() else b""
             # A damaged request file is ignored: each piece also identifies its request.
             if re.fullmatch(rb"[0-9a-f]{64}", other) and other != request.encode():
@@ -143,11 +143,11 @@ class Pieces:
     def save(self, first: int, drives: NDArray[Any], state: dict[str, Any]) -> None:
         """Save the piece that begins with frame `first`."""
         state = {f"{STATE}{name}": np.asarray(value) for name, value in state.items()}
-        kept.save(*self._named(first), {"drives": drives, **state})
+        cache.save(*self._named(first), {"drives": drives, **state})
 
     def load(self, first: int) -> tuple[NDArray[Any], dict[str, Any]] | None:
         """Load the piece that begins with frame `first`; None if it is missing or damaged."""
-        arrays = kept.load(*self._named(first))
+        arrays = cache.load(*self._named(first))
         if arrays is None:
             return None
         drives = arrays.pop("drives")

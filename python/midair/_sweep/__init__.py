@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .._support.arguments import callback, path_of, warn
-from .._support.kept import Arrays, locked
+from .._support.cache import Arrays, locked
 from . import engine, table
 from .block import solve_block
 from .engine import Job, run

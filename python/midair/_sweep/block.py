@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .. import _midair
 from .._midair import Array, Scene, SceneError, SceneWarning, restated, solvers
-from .._support.kept import Arrays
+from .._support.cache import Arrays
 from .._support.output import METRICS
 from .engine import Stopped, go_on
 

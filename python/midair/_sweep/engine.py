@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 import logging
@@ -14,7 +15,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from queue import Empty, Queue
@@ -23,10 +23,10 @@ from typing import TYPE_CHECKING, Any
 
 from .. import _midair
 from .._midair import SceneError, SceneWarning, stated
-from .._support import kept
+from .._support import cache
 from .._support.arguments import needs
+from .._support.cache import Arrays
 from .._support.ctrl_c import interruptible
-from .._support.kept import Arrays
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -126,7 +126,7 @@ class Job:
         return Path(key[:20], f"{self.start}-{self.stop}.npz")
 
 
-@cache
+@functools.cache
 def build() -> str:
     """Return version and hash of the compiled core, so that results of different builds are not mixed."""
     core = Path(str(_midair.__file__)).read_bytes()
@@ -274,7 +274,7 @@ _FILE = re.compile(r"\d+-\d+\.npz")
 
 def load(path: Path, rows: int) -> Arrays | None:
     """Load the arrays of a stored result, each with `rows` rows; None if it is missing or damaged."""
-    found = kept.load(path, identity(path))
+    found = cache.load(path, identity(path))
     if found is None or not all(array.ndim and len(array) == rows for array in found.values()):
         return None
     return found
@@ -282,7 +282,7 @@ def load(path: Path, rows: int) -> Arrays | None:
 
 def save(path: Path, arrays: Arrays) -> None:
     """Store a result. Raises SceneError if that is not possible."""
-    kept.save(path, identity(path), arrays)
+    cache.save(path, identity(path), arrays)
 
 
 def identity(path: Path) -> str:
@@ -295,6 +295,6 @@ def remove(folder: Path) -> None:
 
     Does not follow links.
     """
-    for part in kept.inside(folder):
+    for part in cache.inside(folder):
         if _FOLDER.fullmatch(part.name):
-            kept.remove(part, _FILE)
+            cache.remove(part, _FILE)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from .._midair import Array, Scene, bound, judge, numbers, solvers, stated
 from .._support import output
 from .._support.arguments import callback, needs, path_of, refused, warn
-from .._support.kept import Arrays, locked, refusing
+from .._support.cache import Arrays, locked, refusing
 from .._support.output import METRICS
 from .block import array_and_medium, solve_block, trial_seed
 from .engine import Job, go_on, run

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from .._midair import stated
-from .._support import kept, output
-from .._support.kept import Arrays, refusing
+from .._support import cache, output
+from .._support.cache import Arrays, refusing
 from .._support.output import METRICS
 from .block import trial_seed
 from .engine import Job
@@ -80,7 +80,7 @@ def check(requested: Request, table: Path | None, drives: Path | None) -> Path |
     if beside is None:
         return None
     folder = beside.with_name(f".{beside.name}.chunks")
-    kept.check(folder)
+    cache.check(folder)
     return folder
 
 

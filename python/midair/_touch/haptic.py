@@ -16,7 +16,6 @@ from .._judging.exposure import Exposure, exposure, limit_of
 from .._midair import (
     Array,
     Membrane,
-    Plane,
     Scene,
     SceneError,
     SceneWarning,
@@ -30,9 +29,9 @@ from .._sequence.drives import lowered
 from .._sequence.request import bound
 from .._support.arguments import number, refused, warn, word
 from ..path import Path
-from .membrane import model_of
-from .schedule import SPEEDS, Curve, Foci, Technique, drawn, usual
-from .skin import Skin, skin
+from .membrane import facing, model_of
+from .schedule import SPEEDS, Curve, Foci, Technique, moving, usual
+from .skin import Skin, decibels, skin
 
 #: The skin is a square grid of points: their number per side, and the margin in m between shape and edge.
 COARSE, MARGIN = 33, 0.015
@@ -139,7 +138,7 @@ def haptic(
     Parameters
     ----------
     shape : midair.path.Path or (K, 3) array_like
-        A path of one point, or places in m in the order in which they are drawn.
+        A path of one point, or places in m in the order in which they are moving.
     array : midair.Array
         The transducers.
     rate : float
@@ -197,7 +196,7 @@ def haptic(
     for name in model.keys() - set(MODEL):
         known = ["rate", "aim", "change", "closed", "beside", "ears", "limit", *MODEL]
         raise TypeError(str(unknown_name("argument of midair.haptic", name, known)))
-    sheet, _, tau = model_of(**model)
+    membrane, _, tau = model_of(**model)
     time_constant(tau)
     curve = Curve.of(shape, closed)
     _check(curve.check(array), ears, limit)
@@ -205,28 +204,28 @@ def haptic(
         # The arguments have caused their warnings. A movement too fast for the bound gives a weak result,
         # which is not chosen.
         warnings.simplefilter("ignore", SceneWarning)
-        return _best(_Judge(array, curve, frames, reach, sheet, dict(model)), aim, most, ears, limit)
+        return _best(_Judge(array, curve, frames, reach, membrane, dict(model)), aim, most, ears, limit)
 
 
 def _best(judge: _Judge, aim: str, most: float, ears: Mapping[str, Any] | None, limit: str | float) -> Haptic:
     """Return the best technique within a bound in rad per frame, and within the limit at the ears."""
-    standards = [(t.name, *judge.felt(t, most)) for t in usual(judge.curve, judge.rate)]
+    standards = [(t.name, *judge.tried(t, most)) for t in usual(judge.curve, judge.rate)]
     if most < math.pi:
-        others = (drawn(judge.curve, judge.rate, speed, 1) for speed in SPEEDS)
-        tried = [(t.name, *judge.felt(t, most)) for t in others]
+        others = (moving(judge.curve, judge.rate, speed, 1) for speed in SPEEDS)
+        tried = [(t.name, *judge.tried(t, most)) for t in others]
     else:
         tried = list(judge.climbed(aim))
 
-    def score(touch: Skin | None) -> float:
-        if touch is None:
+    def score(motion: Skin | None) -> float:
+        if motion is None:
             return -math.inf
-        along = judge.along(touch)
+        along = judge.along(motion)
         return float(along.mean() if aim == "strong" else along.min())
 
-    found = [_Found(name, played, touch) for name, played, touch in [*tried, *standards]]
+    techniques = [_Judged(name, played, motion) for name, played, motion in [*tried, *standards]]
     if ears is not None:
-        found = [judge.spared(one, ears, limit) for one in found]
-    best = max(found, key=lambda one: score(one.skin))
+        techniques = [judge.spared(one, ears, limit) for one in techniques]
+    best = max(techniques, key=lambda one: score(one.skin))
     if best.skin is None:
         raise _too_loud(best, ears, limit)
     along = judge.along(best.skin)
@@ -235,15 +234,15 @@ def _best(judge: _Judge, aim: str, most: float, ears: Mapping[str, Any] | None, 
         best.skin,
         best.name,
         aim,
-        _decibels(along.mean()),
-        _decibels(along.min()),
-        {one.name: _decibels(score(one.skin)) for one in found[len(tried) :]},
+        decibels(along.mean()),
+        decibels(along.min()),
+        {one.name: decibels(score(one.skin)) for one in techniques[len(tried) :]},
         best.exposure,
     )
 
 
 @dataclass(frozen=True)
-class _Found:
+class _Judged:
     """A technique, its frames and the skin's motion (None if the board cannot meet the limit at the ears)."""
 
     name: str
@@ -268,12 +267,12 @@ def _spared(
     played: Sequence, ears: Mapping[str, Any], limit: str | float
 ) -> tuple[Sequence, Exposure] | None:
     """Return frames that the board can play within the limit at the ears, and the levels there, or None."""
-    softer, found, factor = played, exposure(played, ears, limit=limit), 1.0
+    softer, levels, factor = played, exposure(played, ears, limit=limit), 1.0
     steps = (played.quantization or {}).get("amplitudes")
     for _ in range(LOWERINGS):
-        above = found.worst.spl - found.limit.spl
+        above = levels.worst.spl - levels.limit.spl
         if above <= 0:
-            return softer, found
+            return softer, levels
         factor *= 10 ** (-above / 20) * (1 - 1e-6)
         amplitudes = np.abs(played.drives) * factor
         parts = amplitudes if steps is None else lowered(amplitudes, steps)
@@ -288,16 +287,16 @@ def _spared(
             obstacles=played._scene.obstacles,
             **played.setting(),
         )
-        found = exposure(softer, ears, limit=limit)
+        levels = exposure(softer, ears, limit=limit)
     return None
 
 
-def _too_loud(found: _Found, ears: Mapping[str, Any] | None, limit: str | float) -> SceneError:
+def _too_loud(judged: _Judged, ears: Mapping[str, Any] | None, limit: str | float) -> SceneError:
     """Return the error for a limit that no amplitude of the board meets."""
-    levels, drives = found.exposure, np.abs(found.played.drives)
+    levels, drives = judged.exposure, np.abs(judged.played.drives)
     assert levels is not None
-    steps = np.asarray((found.played.quantization or {})["amplitudes"])
-    least = levels.worst.spl + _decibels(steps[steps > 0].min() / drives.max())
+    steps = np.asarray((judged.played.quantization or {})["amplitudes"])
+    least = levels.worst.spl + decibels(steps[steps > 0].min() / drives.max())
     cure = f'the least amplitude of the board gives {least:.1f} dB at "{levels.worst.name}", move away'
     return refused("limit", limit, cure)
 
@@ -306,40 +305,34 @@ class _Judge:
     """Computes the strength of techniques along a curve, by a model of the skin."""
 
     def __init__(
-        self, array: Array, curve: Curve, rate: float, reach: float, sheet: Membrane, model: dict[str, Any]
+        self, array: Array, curve: Curve, rate: float, reach: float, membrane: Membrane, model: dict[str, Any]
     ) -> None:
         self._array, self.curve, self.rate, self._model = array, curve, rate, model
-        middle = (curve.places.min(axis=0) + curve.places.max(axis=0)) / 2
-        normal = int(np.abs(middle - array.positions.mean(axis=0)).argmax())
-        across = [axis for axis in range(3) if axis != normal]
-        size = float(np.ptp(curve.places, axis=0)[across].max()) + 2 * MARGIN
-        center = (float(middle[across[0]]), float(middle[across[1]]))
-        at = float(middle[normal])
+        self._plane = facing(curve.places, array, COARSE, MARGIN)
         #: The places of the curve, moved along the normal into the plane of the skin.
         self._under = np.array(curve.places)
-        self._under[:, normal] = at
-        self._plane = Plane(axis="xyz"[normal], at=at, size=size, pixels=COARSE, center=center)
+        self._under[:, "xyz".index(self._plane.axis)] = self._plane.at
         frames = max(round(rate / LAPS), 4)
-        self.foci = Foci.beside(array, curve.places, self._plane, reach, sheet, rate, frames)
+        self.foci = Foci.beside(array, curve.places, self._plane, reach, membrane, rate, frames)
 
     def skin(self, played: Sequence) -> Skin:
         return skin(played, self._plane, **self._model)
 
-    def spared(self, found: _Found, ears: Mapping[str, Any], limit: str | float) -> _Found:
+    def spared(self, judged: _Judged, ears: Mapping[str, Any], limit: str | float) -> _Judged:
         """Return a technique at a level within the limit at the ears."""
-        softer = _spared(found.played, ears, limit)
+        softer = _spared(judged.played, ears, limit)
         if softer is None:
-            return replace(found, skin=None, exposure=exposure(found.played, ears, limit=limit))
+            return replace(judged, skin=None, exposure=exposure(judged.played, ears, limit=limit))
         played, levels = softer
         return replace(
-            found,
+            judged,
             played=played,
-            skin=found.skin if played is found.played else self.skin(played),
+            skin=judged.skin if played is judged.played else self.skin(played),
             exposure=levels,
         )
 
-    def along(self, touch: Skin) -> NDArray[np.float64]:
-        return touch.along(self._under)
+    def along(self, motion: Skin) -> NDArray[np.float64]:
+        return motion.along(self._under)
 
     def starts(self) -> Iterator[NDArray[np.int64]]:
         """Yield initial schedules: the focus jumps within a piece of the curve, and the piece moves on."""
@@ -371,7 +364,7 @@ class _Judge:
                 self.skin(played),
             )
 
-    def felt(self, technique: Technique, change: float) -> tuple[Sequence, Skin]:
+    def tried(self, technique: Technique, change: float) -> tuple[Sequence, Skin]:
         """Return the technique's frames, solved within the bound, and the motion of the skin."""
         index = self.curve.index(technique.ways)
         points = self.curve.places[index]
@@ -402,7 +395,3 @@ class _Judge:
         table = np.r_[0.0, steps]
         nearest: NDArray[np.float64] = table[np.abs(table - amplitudes[:, None]).argmin(axis=1)]
         return nearest
-
-
-def _decibels(strength: float) -> float:
-    return -math.inf if strength == -math.inf else float(20 * np.log10(max(strength, 1e-10)))

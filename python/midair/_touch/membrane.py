@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import REACH, SKIN, Membrane, Mesh, Plane, Shifted
+from .._midair import REACH, SKIN, Array, Membrane, Mesh, Plane, Shifted
 from .._support.arguments import needs, number, warn
 
 #: Mode of SuperLU for symmetric matrices, with pivots on the diagonal.
@@ -32,24 +32,24 @@ def model_of(
     speed: Any = SPEED, loss: Any = LOSS, mass: Any = MASS, reach: Any = REACH, tau: Any = 0.0
 ) -> tuple[Membrane, float, float]:
     """Check the arguments of the model; return the membrane, `reach` in m and `tau` in s."""
-    sheet = Membrane(
+    membrane = Membrane(
         number("speed", speed, above=0), number("loss", loss, least=0.1), number("mass", mass, above=0)
     )
     width = number("reach", reach, above=0)
     if width > WIDEST:
         warn(f"reach is {width:g} m, wider than a finger: give {width * 1e-3:g} if mm are meant")
-    return sheet, width, number("tau", tau, least=0)
+    return membrane, width, number("tau", tau, least=0)
 
 
 def on_mesh(
-    sheet: Membrane, frequencies: NDArray[np.float64], lines: NDArray[np.complex64], mesh: Triangles
+    membrane: Membrane, frequencies: NDArray[np.float64], lines: NDArray[np.complex64], mesh: Triangles
 ) -> NDArray[np.complex64]:
     """Return displacements (L, V) in m for pressure lines (L, V) in Pa at the corners of triangles."""
     order = mesh.order
     loads = (lines[:, order] * mesh.shares[order]).astype(np.complex64)
-    solved = mesh.systems.solve(sheet.decay(frequencies) ** 2, loads.ravel())
+    solved = mesh.systems.solve(membrane.decay(frequencies) ** 2, loads.ravel())
     found = np.empty_like(lines)
-    found[:, order] = solved.reshape(lines.shape) / np.complex64(sheet.tension)
+    found[:, order] = solved.reshape(lines.shape) / np.complex64(membrane.tension)
     return found
 
 
@@ -113,6 +113,16 @@ class Triangles:
 def triangles(hand: Mesh) -> Triangles:
     """Return the triangles of a hand's mesh."""
     return Triangles(hand.vertices, hand.faces)
+
+
+def facing(places: NDArray[np.float64], array: Array, pixels: int, margin: float) -> Plane:
+    """Return a plane through places (P, 3) that faces an array, with a margin in m around them."""
+    middle = (places.min(axis=0) + places.max(axis=0)) / 2
+    normal = int(np.abs(middle - array.positions.mean(axis=0)).argmax())
+    across = [axis for axis in range(3) if axis != normal]
+    size = float(np.ptp(places, axis=0)[across].max()) + 2 * margin
+    center = (float(middle[across[0]]), float(middle[across[1]]))
+    return Plane(axis="xyz"[normal], at=float(middle[normal]), size=size, pixels=pixels, center=center)
 
 
 def squares(plane: Plane) -> NDArray[np.float64]:

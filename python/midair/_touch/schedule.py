@@ -87,7 +87,7 @@ class Foci:
         curve: NDArray[np.float64],
         plane: Plane,
         reach: float,
-        sheet: Membrane,
+        membrane: Membrane,
         rate: float,
         frames: int,
     ) -> Foci:
@@ -109,7 +109,7 @@ class Foci:
         weights = np.sinc(lines / frames) / threshold(True, frequencies)
         answers = np.empty((len(lines), len(counted), len(places)), np.complex64)
         for k, weight in enumerate(weights):
-            answers[k] = (sheet.response(frequencies[k], apart) * weight).astype(np.complex64) @ pushes
+            answers[k] = (membrane.response(frequencies[k], apart) * weight).astype(np.complex64) @ pushes
         answers /= np.abs(answers).max()
         return cls(places, solved.drives, np.abs(solved.pressures[:, 0]), answers, frames)
 
@@ -265,7 +265,7 @@ def _times(rate: float, frequency: float) -> NDArray[np.float64]:
     return np.arange(count) / count
 
 
-def drawn(curve: Curve, rate: float, speed: float, points: int) -> Technique:
+def moving(curve: Curve, rate: float, speed: float, points: int) -> Technique:
     """Return the technique of foci that move along a curve at `speed` m/s, back and forth if it is open."""
     laps = 1 if curve.closed else 2
     t = _times(rate, speed / (laps * curve.length))
@@ -285,4 +285,4 @@ def usual(curve: Curve, rate: float) -> Iterator[Technique]:
     t = _times(rate, 100.0)
     ways = rest + 0.25 / spread * np.sin(2 * np.pi * t)[:, None]
     yield Technique(f"LM at {rate / len(t):.4g} Hz, {spread} foci", ways, np.ones(len(t)))
-    yield from (drawn(curve, rate, USUAL, points) for points in (1, 2))
+    yield from (moving(curve, rate, USUAL, points) for points in (1, 2))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,14 +18,14 @@ from .._sequence import Sequence, arguments
 from .._sequence.felt import threshold
 from .._support.arguments import refused, vector
 from ..path._piece import instants
-from .membrane import LOSS, MASS, SPEED, model_of, on_mesh, squares, triangles
+from .membrane import LOSS, MASS, SPEED, facing, model_of, on_mesh, squares, triangles
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from .._pictures.colours import Map
-    from .._pictures.sheet import Size
+    from .._pictures.figures import Size
 
 #: Default hand: places per side of the plane, and its margin around the points in m.
 SIDE, MARGIN = 64, 0.02
@@ -93,14 +94,14 @@ def skin(
     """
     if not isinstance(sequence, Sequence):
         raise refused("sequence", sequence, "give a midair.Sequence")
-    sheet, width, tau = model_of(speed, loss, mass, reach, tau)
+    membrane, width, tau = model_of(speed, loss, mass, reach, tau)
     if hand is None:
-        hand = _around(sequence)
+        hand = facing(sequence.points[sequence.targets > 0], sequence.array, SIDE, MARGIN)
     if isinstance(hand, Plane):
         places, step = squares(hand), hand.size / max(hand.pixels - 1, 1)
         frequencies, pressure, lines = sequence._push_lines(places, tau)
         shaped = lines.reshape(-1, hand.pixels, hand.pixels)
-        displacement, slow, fast = sheet.on_plane(frequencies, shaped, step, width)
+        displacement, slow, fast = membrane.on_plane(frequencies, shaped, step, width)
     elif isinstance(hand, Mesh):
         mesh = triangles(hand)
         places = hand.vertices
@@ -115,7 +116,7 @@ def skin(
         lines = np.zeros((int(live.sum()), len(places)), np.complex64)
         lines[:, near] = pushed[live] * shares
         displacement = np.zeros((len(frequencies), len(places)), np.complex64)
-        displacement[live] = moved = on_mesh(sheet, frequencies[live], lines, mesh)
+        displacement[live] = moved = on_mesh(membrane, frequencies[live], lines, mesh)
         fast = excess(True, frequencies[live], np.square(np.abs(moved)))
         slopes = np.array(list(mesh.slopes(moved)), np.float32).reshape(moved.shape)
         slow = width * excess(False, frequencies[live], slopes)
@@ -174,7 +175,7 @@ class Skin:
     @property
     def level(self) -> float:
         """Strength at the strongest place, in dB above what is just felt."""
-        return float(_decibels(self.strength.max()))
+        return float(decibels(self.strength.max()))
 
     @property
     def rms(self) -> NDArray[np.float64]:
@@ -319,7 +320,7 @@ class Skin:
         SceneError
             For wrong arguments.
         """
-        from .._pictures.sheet import chosen, colour_map, sheet, whole
+        from .._pictures.figures import chosen, colour_map, new_figure, whole
 
         names = chosen(panels, get_args(Panel), ax)
         colours = colour_map(cmap, MAPS["pressure"])
@@ -327,7 +328,7 @@ class Skin:
         if ax is not None:
             _draw(self, names[0], ax, colours, best)
             return whole(ax)
-        figure = sheet(3.6 * len(names), 3.4, size)
+        figure = new_figure(3.6 * len(names), 3.4, size)
         for name, one in zip(names, figure.subplots(1, len(names), squeeze=False)[0], strict=True):
             _draw(self, name, one, colours, best)
         return figure
@@ -369,27 +370,16 @@ class Skin:
         spectrum = ", ".join(f"{1e6 * lines[k]:.3g} um at {self.frequencies[k]:.4g} Hz" for k in largest)
         return [
             ("strongest", f"{self.level:.1f} dB above threshold at ({x:.1f}, {y:.1f}, {z:.1f}) mm"),
-            ("slow channel", f"{_decibels(self.slow[best]):.1f} dB there"),
-            ("fast channel", f"{_decibels(self.fast[best]):.1f} dB there"),
+            ("slow channel", f"{decibels(self.slow[best]):.1f} dB there"),
+            ("fast channel", f"{decibels(self.fast[best]):.1f} dB there"),
             ("width", f"{1e3 * self.width():.1f} mm felt, {1e3 * self.focus_width():.1f} mm of pressure"),
             ("displacement", spectrum or "none"),
         ]
 
 
-def _decibels(strength: float) -> float:
-    return float(20 * np.log10(max(strength, 1e-10)))
-
-
-def _around(sequence: Sequence) -> Plane:
-    """Return a plane through all points that are present, which faces the array."""
-    points = sequence.points[sequence.targets > 0]
-    middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    way = np.abs(middle - sequence.array.positions.mean(axis=0))
-    normal = int(way.argmax())
-    across = [axis for axis in range(3) if axis != normal]
-    size = float(np.ptp(points, axis=0)[across].max()) + 2 * MARGIN
-    center = (float(middle[across[0]]), float(middle[across[1]]))
-    return Plane(axis="xyz"[normal], at=float(middle[normal]), size=size, pixels=SIDE, center=center)
+def decibels(strength: float) -> float:
+    """Return a strength in dB above what is just felt; -inf for a technique that cannot be played."""
+    return strength if strength == -math.inf else float(20 * np.log10(max(strength, 1e-10)))
 
 
 def _draw(skin: Skin, panel: Panel, ax: Axes, colours: Map, best: int) -> None:

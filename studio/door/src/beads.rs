@@ -15,9 +15,10 @@ impl Studio {
     pub(crate) fn fly(&mut self, point: usize, rate: f64) -> Result<(), Error> {
         if self.course.is_none() {
             let (drives, places) = (core::mem::take(&mut self.frames), core::mem::take(&mut self.places));
-            let how = (Envelope { rate, tau: TAU, linear: false }, true);
-            let course =
-                self.opened().and_then(|opened| Course::of(&places, &drives, &opened.model, how, &mut Control::none()));
+            let envelope = Envelope { rate, tau: TAU, linear: false };
+            let course = self.opened().and_then(|opened| {
+                Course::of(&places, &drives, &opened.model, envelope, true, &mut Control::none())
+            });
             (self.frames, self.places) = (drives, places);
             self.course = Some(course?);
         }

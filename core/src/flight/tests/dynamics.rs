@@ -37,7 +37,7 @@ fn flown(
     let mut places = vec![[[0.0; 8]; 3]; forces.len()];
     let none = &mut Control::none();
     let reach = [f64::INFINITY; 8];
-    let last = flight.fly((set, air), &mut state, reach, forces, &centres, 0, &mut places, none).expect("a flight");
+    let last = flight.fly(set, air, &mut state, reach, forces, &centres, 0, &mut places, none).expect("a flight");
     assert_eq!(last, centres.len() - 1);
     (state, places)
 }
@@ -103,7 +103,7 @@ fn every_set_gives_the_same_bits_and_a_flight_that_stops_goes_on_to_the_same() {
         reach[0] = if calls < 3 { 1e-5 } else { f64::INFINITY };
         let set = InstructionSet::best();
         from = flight
-            .fly((set, air), &mut again, reach, &forces, &centres, from, &mut found, &mut Control::none())
+            .fly(set, air, &mut again, reach, &forces, &centres, from, &mut found, &mut Control::none())
             .expect("a flight");
         calls += 1;
     }
@@ -128,7 +128,7 @@ fn swung(set: InstructionSet, places: Eight) -> State {
     let mut places = vec![[[0.0; 8]; 3]; 11];
     let reach = [f64::INFINITY; 8];
     let none = &mut Control::none();
-    flight.fly((set, Medium::default()), &mut state, reach, &forces, &centres, 0, &mut places, none).expect("a flight");
+    flight.fly(set, Medium::default(), &mut state, reach, &forces, &centres, 0, &mut places, none).expect("a flight");
     state
 }
 
@@ -163,6 +163,6 @@ fn laps_are_flown_as_forces_that_repeat() {
     let centres = vec![[[0.0; 8]; 3]; 61];
     let mut found = vec![[[0.0; 8]; 3]; 8];
     let (set, reach, none) = (InstructionSet::best(), [f64::NAN; 8], &mut Control::none());
-    let last = flight.fly((set, air), &mut again, reach, &lap, &centres, 0, &mut found, none).expect("a flight");
+    let last = flight.fly(set, air, &mut again, reach, &lap, &centres, 0, &mut found, none).expect("a flight");
     assert!(last == 140 && again == state && found == places);
 }

@@ -27,8 +27,8 @@ fn ring(share: f32, rate: f64) -> (Model, Course) {
     let frames: Vec<[f64; 3]> =
         (0..COUNT).map(|k| [2e-3 * math::cos(angle(k)), 2e-3 * math::sin(angle(k)), 0.0]).collect();
     let drives: Vec<Complex32> = frames.iter().flat_map(|&place| trap(place)).map(|q| q * share).collect();
-    let how = (Envelope { rate, tau: 1e-4, linear: false }, true);
-    let course = Course::of(&frames, &drives, &model, how, &mut Control::none()).expect("a course");
+    let envelope = Envelope { rate, tau: 1e-4, linear: false };
+    let course = Course::of(&frames, &drives, &model, envelope, true, &mut Control::none()).expect("a course");
     (model, course)
 }
 

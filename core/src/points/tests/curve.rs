@@ -2,6 +2,7 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::points::Curve;
 use crate::scene::{distance, dot};
+use crate::vec3::Vec3;
 
 #[test]
 fn a_circle_is_round_flat_and_counterclockwise() {
@@ -16,7 +17,7 @@ fn a_circle_is_round_flat_and_counterclockwise() {
             assert!(dot(away(way), normal).abs() < 1e-15);
             assert!(distance(circle.after(way), circle.after(way + circle.length())) < 1e-14);
             let next = away(way + 0.02 * FRAC_PI_2);
-            assert!(dot(crate::scene::cross(away(way), next), normal) > 0.0);
+            assert!(Vec3(away(way)).cross(next).dot(normal) > 0.0);
         }
     }
     let flat = Curve::circle(center, 0.02, [0.0, 0.0, 2.0], PI / 6.0).unwrap().after(0.0);

@@ -17,6 +17,7 @@ use crate::propagation::scattering::bodies::Bodies;
 use crate::propagation::sources::Sources;
 use crate::propagation::taylor::Taylor;
 use crate::scene::{Particle, check_drive, check_places, distance};
+use crate::vec3::Vec3;
 
 /// How many points a thread computes together.
 const CHUNK: usize = 16;
@@ -73,28 +74,33 @@ pub fn gorkov(
 ) -> Result<Gorkov, Error> {
     let trap = Trap::new(model, drive, points, particle)?;
     let large = trap.large(points, particle)?;
-    control.room("the potential", [drive.len(), points.len()], bytes(2 * size_of::<Felt>(), &[points.len()]))?;
-    let mut felt = vec![Felt::default(); points.len()];
-    let parts = felt.chunks_mut(CHUNK).zip(points.chunks(CHUNK)).enumerate().collect();
-    control.each(parts, &|(part, (out, points)): (usize, (&mut [Felt], &[[f64; 3]])), control| {
+    control.room("the potential", [drive.len(), points.len()], bytes(2 * size_of::<Push>(), &[points.len()]))?;
+    let mut pushes = vec![Push::default(); points.len()];
+    let parts = pushes.chunks_mut(CHUNK).zip(points.chunks(CHUNK)).enumerate().collect();
+    control.each(parts, &|(part, (out, points)): (usize, (&mut [Push], &[[f64; 3]])), control| {
         for (j, (out, point)) in out.iter_mut().zip(points).enumerate() {
             let j = part * CHUNK + j;
             *out = match &large {
-                Some(sphere) => trap.pushed(sphere, j, *point, control)?,
-                None => trap.felt(j, *point, control)?,
+                Some(sphere) => trap.on_sphere(sphere, j, *point, control)?,
+                None => trap.push(j, *point, control)?,
             };
         }
         Ok(())
     })?;
     Ok(Gorkov {
-        potential: felt.iter().map(|felt| felt.0).collect(),
-        force: felt.iter().map(|felt| felt.1).collect(),
-        hessian: felt.iter().map(|felt| felt.2).collect(),
+        potential: pushes.iter().map(|push| push.potential).collect(),
+        force: pushes.iter().map(|push| push.force.0).collect(),
+        hessian: pushes.iter().map(|push| push.hessian).collect(),
     })
 }
 
-/// Potential, force and second derivatives of the potential at one point.
-pub(crate) type Felt = (f64, [f64; 3], [[f64; 3]; 3]);
+/// The force of sound on a particle at one point, its potential and the second derivatives of the potential.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Push {
+    pub(crate) potential: f64,
+    pub(crate) force: Vec3,
+    pub(crate) hessian: [[f64; 3]; 3],
+}
 
 /// The field of a drive, prepared to compute the force on a particle at any point.
 pub(crate) struct Trap<'a> {
@@ -163,7 +169,7 @@ impl<'a> Trap<'a> {
     }
 
     /// Force and stiffness of a large sphere, which has no potential.
-    fn pushed(&self, sphere: &Pushed, j: usize, point: [f64; 3], control: &mut Control) -> Result<Felt, Error> {
+    fn on_sphere(&self, sphere: &Pushed, j: usize, point: [f64; 3], control: &mut Control) -> Result<Push, Error> {
         let mut force =
             |center: [f64; 3]| sphere.force(center, |place| self.pressure(j, place, &mut Control::none()), control);
         let step = STEP * self.model.medium().wavelength();
@@ -177,18 +183,18 @@ impl<'a> Trap<'a> {
             let (before, after) = (before?, after?);
             (0..3).for_each(|row| hessian[row][axis] = (before[row] - after[row]) / (2.0 * step));
         }
-        Ok((f64::NAN, force(point)?, hessian))
+        Ok(Push { potential: f64::NAN, force: Vec3(force(point)?), hessian })
     }
 
     /// Potential, force and second derivatives at `point`, which errors name as point `j`.
-    pub(crate) fn felt(&self, j: usize, point: [f64; 3], control: &mut Control) -> Result<Felt, Error> {
+    pub(crate) fn push(&self, j: usize, point: [f64; 3], control: &mut Control) -> Result<Push, Error> {
         let potential = potential(&self.pressure(j, point, control)?, self.particle.factors(self.model.medium()));
-        let felt = (potential.value(), potential.gradient().map(|slope| -slope), potential.hessian());
-        if !(felt.0.is_finite() && felt.1.iter().chain(felt.2.as_flattened()).all(|x| x.is_finite())) {
+        let (value, force, hessian) = (potential.value(), -Vec3(potential.gradient()), potential.hessian());
+        if !(value.is_finite() && force.iter().chain(hessian.as_flattened()).all(|x| x.is_finite())) {
             let cure = "the force has no bound there: move it off the plane of a transducer's face";
             return Err(Error::invalid(format!("points[{j}]"), format!("{point:?}"), cure));
         }
-        Ok(felt)
+        Ok(Push { potential: value, force, hessian })
     }
 
     /// The Taylor polynomials of the pressure around `point`, real and imaginary part. Errors name it as point `j`.
@@ -202,7 +208,7 @@ impl<'a> Trap<'a> {
             control.pulse()?;
             let mut row = Vec::new();
             let sent = self.local(j, point)?.expand(point, |place| bodies.pressure(driven, place, &mut row));
-            pressure.iter_mut().zip(&sent).for_each(|(own, sent)| own.add(sent, 1.0));
+            pressure.iter_mut().zip(&sent).for_each(|(sum, sent)| sum.add(sent, 1.0));
         }
         Ok(pressure)
     }

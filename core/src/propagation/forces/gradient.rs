@@ -11,6 +11,7 @@
 use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use num_complex::Complex64;
 
@@ -29,6 +30,7 @@ use crate::propagation::sources::Sources;
 use crate::propagation::taylor::Taylor;
 use crate::scene::Particle;
 use crate::scene::{Medium, Obstacle, check_places};
+use crate::vec3::Vec3;
 
 /// How many points share one sum of gradients by transducers. These sums are added in the order of the points, so that the
 /// result does not depend on the threads.
@@ -134,6 +136,16 @@ struct Pass<'a> {
     all: Vec<Seen<'a>>,
 }
 
+/// A point, and its share of a block's results.
+struct Spot<'a> {
+    /// The index of the point in errors.
+    index: usize,
+    point: [f64; 3],
+    /// The place of its values in those of the block.
+    values: Range<usize>,
+    cotangent: Option<&'a [f64]>,
+}
+
 /// Results at one block of points.
 struct Part {
     value: Vec<f64>,
@@ -177,7 +189,7 @@ impl<'a> Pass<'a> {
             }
             scattering.obstacles.check_points(points)?;
             let mirrors = reflections(array.centre(), &scattering.obstacles);
-            let turned = mirrors.iter().map(|mirror| AXES.map(|axis| mirror.direction(axis)));
+            let turned = mirrors.iter().map(|mirror| AXES.map(|axis| mirror.direction(Vec3(axis)).0));
             all.extend(scattering.images.iter().zip(turned).map(|(sources, axes)| seen(sources, axes)));
         }
         Ok(Self { set: model.set, medium, quantity, all })
@@ -189,8 +201,8 @@ impl<'a> Pass<'a> {
         let (width, count) = (self.quantity.width(), self.all[0].sources.array.len());
         let blocks: usize = self.all.iter().map(|seen| seen.drives.len()).sum();
         let waiting = WAITING * control.threads();
-        let kept = bytes(size_of::<Pull>() + size_of::<Sent>(), &[waiting, blocks]);
-        control.room("the gradients", [count, points.len()], kept)?;
+        let stored = bytes(size_of::<Pull>() + size_of::<Sent>(), &[waiting, blocks]);
+        control.room("the gradients", [count, points.len()], stored)?;
         let mut gradient = Gradient {
             value: Vec::with_capacity(width * points.len()),
             drive: vec![Complex64::ZERO; count],
@@ -207,7 +219,7 @@ impl<'a> Pass<'a> {
             let run = |(k, (part, points)): (usize, (&mut Option<Part>, &[[f64; 3]])), control: &mut Control| {
                 let first = first + k * BLOCK;
                 let cotangent = cotangent.map(|all| &all[first * width..(first + points.len()) * width]);
-                *part = Some(self.part((first, points), cotangent, control)?);
+                *part = Some(self.part(first, points, cotangent, control)?);
                 Ok(())
             };
             // A quantity of a particle needs derivatives of the field, which take ten times as long.
@@ -224,7 +236,7 @@ impl<'a> Pass<'a> {
             }
         }
         for (seen, pulls) in self.all.iter().zip(&sum.pulls) {
-            let back = |v: [f64; 3]| seen.axes.map(|axis| (0..3).map(|k| axis[k] * v[k]).sum::<f64>());
+            let back = |v: [f64; 3]| seen.axes.map(|axis| Vec3(axis).dot(v));
             for (lane, &i) in seen.waves.members.iter().enumerate() {
                 let (pull, lane) = (&pulls[lane / EIGHT], lane % EIGHT);
                 gradient.drive[i] += Complex64::new(pull.drive[0][lane], pull.drive[1][lane]);
@@ -241,23 +253,25 @@ impl<'a> Pass<'a> {
     /// Computes one block of points; `first` is the index of its first point.
     fn part(
         &self,
-        (first, points): (usize, &[[f64; 3]]),
+        first: usize,
+        points: &[[f64; 3]],
         cotangent: Option<&[f64]>,
         control: &mut Control,
     ) -> Result<Part, Error> {
         let width = self.quantity.width();
         let mut part = Part::none(self);
         part.value.resize(width * points.len(), 0.0);
-        let mut kept: Vec<Vec<Sent>> = self.all.iter().map(|seen| vec![Sent::ZERO; seen.drives.len()]).collect();
+        let mut sent: Vec<Vec<Sent>> = self.all.iter().map(|seen| vec![Sent::ZERO; seen.drives.len()]).collect();
         for (j, &point) in points.iter().enumerate() {
-            let cotangent = cotangent.map(|cotangent| &cotangent[j * width..(j + 1) * width]);
-            let place = (first + j, point);
+            let values = j * width..(j + 1) * width;
+            let cotangent = cotangent.map(|cotangent| &cotangent[values.clone()]);
+            let spot = Spot { index: first + j, point, values: values.clone(), cotangent };
             let by_point = match self.quantity.particle() {
-                None => self.sounded(place, &mut kept, (j, cotangent), &mut part, control)?,
-                Some(particle) => self.felt(place, particle, (j, cotangent), &mut part, control)?,
+                None => self.of_pressure(spot, &mut sent, &mut part, control)?,
+                Some(particle) => self.of_particle(spot, particle, &mut part, control)?,
             };
             let finite = |all: &[f64]| all.iter().all(|x| x.is_finite());
-            if !(finite(&by_point) && finite(&part.value[j * width..(j + 1) * width])) {
+            if !(finite(&by_point) && finite(&part.value[values])) {
                 let cure = "the gradient has no bound there: move it off the plane of a transducer's face";
                 return Err(Error::invalid(format!("points[{}]", first + j), format!("{point:?}"), cure));
             }
@@ -268,46 +282,43 @@ impl<'a> Pass<'a> {
 
     /// Computes a function of the pressure at one point. Writes its value into `part` and, with a cotangent, adds its gradients
     /// there. Returns the gradient by the point.
-    fn sounded(
+    fn of_pressure(
         &self,
-        (index, point): (usize, [f64; 3]),
-        kept: &mut [Vec<Sent>],
-        (j, cotangent): (usize, Option<&[f64]>),
+        Spot { index, point, values, cotangent }: Spot<'_>,
+        sent: &mut [Vec<Sent>],
         part: &mut Part,
         control: &mut Control,
     ) -> Result<[f64; 3], Error> {
         let least = self.medium.wavelength() / 100.0;
         let mut p = Complex64::ZERO;
-        for (seen, kept) in self.all.iter().zip(&mut *kept) {
+        for (seen, sent) in self.all.iter().zip(&mut *sent) {
             let sources = (&seen.waves.emitters[..], &seen.drives[..]);
-            let ([re, im], near) = forth(self.set, &seen.waves.waves, sources, point, kept, control)?;
+            let ([re, im], near) = forth(self.set, &seen.waves.waves, sources, point, sent, control)?;
             if near * least >= 1.0 {
                 (0..seen.sources.array.len()).try_for_each(|i| seen.sources.check_distance(i, index, point))?;
             }
             p += Complex64::new(re, im);
         }
-        let width = self.quantity.width();
-        let value = &mut part.value[j * width..(j + 1) * width];
+        let value = &mut part.value[values];
         self.quantity.write(self.medium, p, value);
         let Some(cotangent) = cotangent else { return Ok([0.0; 3]) };
         let (w, by_speed) = self.quantity.back(self.medium, p, value, cotangent);
         part.by_speed += by_speed;
         let mut by_point = [0.0; 3];
-        for ((seen, kept), pulls) in self.all.iter().zip(&*kept).zip(&mut part.pulls) {
+        for ((seen, sent), pulls) in self.all.iter().zip(&*sent).zip(&mut part.pulls) {
             let sources = (&seen.waves.emitters[..], &seen.drives[..]);
-            let own = back(self.set, &seen.waves.waves, sources, (point, w), kept, pulls, control)?;
-            (0..3).for_each(|axis| by_point[axis] += own[axis]);
-            part.by_k += own[3];
+            let by_place = back(self.set, &seen.waves.waves, sources, (point, w), sent, pulls, control)?;
+            (0..3).for_each(|axis| by_point[axis] += by_place[axis]);
+            part.by_k += by_place[3];
         }
         Ok(by_point)
     }
 
-    /// Does the same as [`Pass::sounded`] for a quantity of a particle.
-    fn felt(
+    /// Does the same as [`Pass::of_pressure`] for a quantity of a particle.
+    fn of_particle(
         &self,
-        (index, point): (usize, [f64; 3]),
+        Spot { index, point, values, cotangent }: Spot<'_>,
         particle: Particle,
-        (j, cotangent): (usize, Option<&[f64]>),
         part: &mut Part,
         control: &mut Control,
     ) -> Result<[f64; 3], Error> {
@@ -316,11 +327,10 @@ impl<'a> Pass<'a> {
             (0..seen.sources.array.len()).try_for_each(|i| seen.sources.check_distance(i, index, point))?;
             seen.driven.iter().try_for_each(|waves| waves.add(point, &mut pressure, control))?;
         }
-        let width = self.quantity.width();
-        let value = &mut part.value[j * width..(j + 1) * width];
-        self.quantity.write_felt(&pressure, particle.factors(self.medium), value);
+        let value = &mut part.value[values];
+        self.quantity.write_of_particle(&pressure, particle.factors(self.medium), value);
         let Some(cotangent) = cotangent else { return Ok([0.0; 3]) };
-        let (pulled, by_speed) = self.quantity.back_felt((self.medium, particle), &pressure, cotangent);
+        let (pulled, by_speed) = self.quantity.back_of_particle(self.medium, particle, &pressure, cotangent);
         part.by_speed += by_speed;
         let weights = weights(&pulled);
         // Only the stiffness contains third derivatives of the field, so only its gradient needs the fourth.
@@ -331,9 +341,9 @@ impl<'a> Pass<'a> {
         let mut by_point = [0.0; 3];
         for (seen, pulls) in self.all.iter().zip(&mut part.pulls) {
             let sources = (&seen.waves.emitters[..], &seen.drives[..]);
-            let own = contract(self.set, &seen.waves.waves, sources, (point, &weights), pulls, control)?;
-            (0..3).for_each(|axis| by_point[axis] += own[axis]);
-            part.by_k += own[3];
+            let by_place = contract(self.set, &seen.waves.waves, sources, (point, &weights), pulls, control)?;
+            (0..3).for_each(|axis| by_point[axis] += by_place[axis]);
+            part.by_k += by_place[3];
         }
         Ok(by_point)
     }

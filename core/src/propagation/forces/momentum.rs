@@ -23,6 +23,7 @@ use crate::math;
 use crate::propagation::jet::Jet;
 use crate::propagation::scattering::sphere::{Rules, Sphere};
 use crate::scene::{Medium, Particle, Surface, dot};
+use crate::vec3::Vec3;
 
 /// A sphere in air, on which sound exerts a force.
 pub(crate) struct Pushed {
@@ -40,7 +41,7 @@ impl Pushed {
         let size = medium.wavenumber() * particle.radius;
         // Waves of higher orders are below 1e-8 (W. J. Wiscombe, Applied Optics 19, 1505, 1980).
         let order = math::ceil(size + 4.05 * math::cbrt(size) + 4.0) as usize;
-        let sphere = Sphere::of_order(([0.0; 3], particle.radius, Surface::Rigid), medium, order);
+        let sphere = Sphere::of_order([0.0; 3], particle.radius, Surface::Rigid, medium, order);
         let moved = medium.density / (particle.density * particle.radius);
         let orders = (0..=order).map(|n| {
             let [h, slope] = sphere.outgoing(n);
@@ -62,7 +63,7 @@ impl Pushed {
         control: &mut Control,
     ) -> Result<[f64; 3], Error> {
         let met = |way: [f64; 3]| {
-            let [re, im] = pressure([0, 1, 2].map(|axis| center[axis] + self.radius * way[axis]))?;
+            let [re, im] = pressure((Vec3(center) + self.radius * Vec3(way)).0)?;
             let slope = Complex64::new(dot(re.gradient(), way), dot(im.gradient(), way));
             Ok([Complex64::new(re.value(), im.value()), slope])
         };
@@ -74,10 +75,10 @@ impl Pushed {
                 let (p, rise) = (sent[k], both[k]);
                 // a_k follows from p = a_k j_n and its slope = a_k k j_n'. A weighted mean of both is used, because one of them
                 // can be 0.
-                let own = (p * j + rise * slope / wavenumber) / (j * j + slope * slope);
+                let coefficient = (p * j + rise * slope / wavenumber) / (j * j + slope * slope);
                 let answer = rise * by_slope + p * by_pressure;
                 sent[k] = answer * turn;
-                both[k] = (answer + own) * turn;
+                both[k] = (answer + coefficient) * turn;
             }
             turn *= -Complex64::I;
         }

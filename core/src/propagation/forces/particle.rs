@@ -4,7 +4,8 @@ use alloc::format;
 
 use crate::math;
 use crate::propagation::jet::Jet;
-use crate::scene::{Medium, Particle, dot};
+use crate::scene::{Medium, Particle};
+use crate::vec3::Vec3;
 
 /// The largest radius of a small sphere in wavelengths: k a = 0.79.
 pub(crate) const LARGEST: f64 = 0.125;
@@ -61,9 +62,9 @@ impl Particle {
     /// Returns the force in N that a velocity in m/s and an acceleration in m/s^2 require, besides weight and buoyancy.
     #[must_use]
     pub fn needed(&self, medium: Medium, velocity: [f64; 3], acceleration: [f64; 3]) -> [f64; 3] {
-        let (mass, speed) = (self.mass(medium), math::sqrt(dot(velocity, velocity)));
+        let (mass, speed) = (self.mass(medium), Vec3(velocity).norm());
         let drag = if speed > 0.0 { self.drag(medium, speed) / speed } else { 0.0 };
-        [0, 1, 2].map(|axis| mass * acceleration[axis] + drag * velocity[axis])
+        (mass * Vec3(acceleration) + drag * Vec3(velocity)).0
     }
 
     /// Returns a remark if the radius exceeds an eighth of the wavelength, where the Gor'kov potential is inaccurate.

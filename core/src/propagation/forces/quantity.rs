@@ -52,8 +52,8 @@ impl Quantity {
             ("force", Self::Force(particle)),
             ("stiffness", Self::Stiffness(particle)),
         ];
-        let found = all.iter().find(|(known, _)| *known == name).map(|&(_, own)| own);
-        found.ok_or_else(|| Error::unknown("quantity", name, all.iter().map(|(known, _)| *known)))
+        let named = all.iter().find(|(known, _)| *known == name).map(|&(_, quantity)| quantity);
+        named.ok_or_else(|| Error::unknown("quantity", name, all.iter().map(|(known, _)| *known)))
     }
 
     /// The number of values at each point.
@@ -100,7 +100,7 @@ impl Quantity {
 
     /// Writes the value of a quantity of a particle, for the Taylor polynomials of the pressure around the point (real and
     /// imaginary part).
-    pub(crate) fn write_felt(self, pressure: &[Jet; 2], factors: [f64; 2], value: &mut [f64]) {
+    pub(crate) fn write_of_particle(self, pressure: &[Jet; 2], factors: [f64; 2], value: &mut [f64]) {
         let potential = potential(pressure, factors);
         match self {
             Self::Force(_) => value.copy_from_slice(&potential.gradient().map(|slope| -slope)),
@@ -111,21 +111,22 @@ impl Quantity {
 
     /// Returns the cotangents of the coefficients of the pressure for a scalar L, and the derivative of L by the
     /// sound speed at constant pressure.
-    pub(crate) fn back_felt(
+    pub(crate) fn back_of_particle(
         self,
-        (medium, particle): (Medium, Particle),
+        medium: Medium,
+        particle: Particle,
         pressure: &[Jet; 2],
         cotangent: &[f64],
     ) -> ([Jet; 2], f64) {
-        let mut felt = [0.0; TERMS];
+        let mut potential = [0.0; TERMS];
         match self {
-            Self::Force(_) => (0..3).for_each(|axis| felt[1 + axis] = -cotangent[axis]),
-            Self::Stiffness(_) => (0..3).for_each(|axis| felt[SQUARES[axis]] = 2.0 * cotangent[axis]),
-            _ => felt[0] = cotangent[0],
+            Self::Force(_) => (0..3).for_each(|axis| potential[1 + axis] = -cotangent[axis]),
+            Self::Stiffness(_) => (0..3).for_each(|axis| potential[SQUARES[axis]] = 2.0 * cotangent[axis]),
+            _ => potential[0] = cotangent[0],
         }
-        let felt = Jet::of(felt);
-        let squares: f64 = pressure.iter().map(|part| felt.dot(&part.times(part))).sum();
-        (back(pressure, particle.factors(medium), &felt), squares * particle.factor_slope(medium))
+        let potential = Jet::of(potential);
+        let squares: f64 = pressure.iter().map(|part| potential.dot(&part.times(part))).sum();
+        (back(pressure, particle.factors(medium), &potential), squares * particle.factor_slope(medium))
     }
 }
 
@@ -137,23 +138,23 @@ pub(crate) fn weights([re, im]: &[Jet; 2]) -> Weights {
         if *re == 0.0 && *im == 0.0 {
             continue;
         }
-        let own = EXPONENTS[term];
+        let powers = EXPONENTS[term];
         let weight = |exponents: [u8; 3], factor: f64| (place(exponents), [factor * re, -factor * im]);
         let raised = |exponents: [u8; 3], axis: usize, sign: f64| {
             let mut exponents = exponents;
             exponents[axis] += 1;
             weight(exponents, sign * f64::from(exponents[axis]))
         };
-        weights.value.push(weight(own, 1.0));
-        weights.grown.push(weight(own, 1.0 + own.iter().map(|&n| f64::from(n)).sum::<f64>()));
+        weights.value.push(weight(powers, 1.0));
+        weights.grown.push(weight(powers, 1.0 + powers.iter().map(|&n| f64::from(n)).sum::<f64>()));
         for axis in 0..3 {
-            weights.slopes[axis].push(raised(own, axis, 1.0));
+            weights.slopes[axis].push(raised(powers, axis, 1.0));
             // The derivative by a rotation about the axis: x dF/dy - y dF/dx for the axis z, and in cyclic order for
             // x and y.
             let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
             for (from, to, sign) in [(next, last, 1.0), (last, next, -1.0)] {
-                if own[from] > 0 {
-                    let mut lower = own;
+                if powers[from] > 0 {
+                    let mut lower = powers;
                     lower[from] -= 1;
                     weights.turned[axis].push(raised(lower, to, sign));
                 }

@@ -8,11 +8,11 @@ use num_complex::Complex32;
 use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::linalg::symmetric::eigen;
-use crate::math;
-use crate::propagation::forces::gorkov::{Felt, Trap};
+use crate::propagation::forces::gorkov::{Push, Trap};
 use crate::propagation::model::Model;
 use crate::scene::geometry::vector;
-use crate::scene::{Bead, Particle, distance, dot};
+use crate::scene::{Bead, Particle};
+use crate::vec3::Vec3;
 
 /// The longest step along the force, in wavelengths.
 const STEP: f64 = 1.0 / 48.0;
@@ -82,13 +82,13 @@ pub fn rest(
     let trap = Trap::new(model, drive, points, particle)?;
     vector("gravity", &gravity)?;
     control.room("the resting places", [drive.len(), points.len()], bytes(2 * size_of::<One>(), &[points.len()]))?;
-    let weight = particle.weight(model.medium(), gravity);
+    let weight = Vec3(particle.weight(model.medium(), gravity));
     let follow = Follow { trap: &trap, weight, wavelength: model.medium().wavelength() };
     let mut all: Vec<Option<One>> = vec![None; points.len()];
     let parts = all.iter_mut().zip(points).enumerate().collect();
     control.each(parts, &|(j, (out, point)): (usize, (&mut Option<One>, &[f64; 3])), control| {
         // It is an error if the force at a start is unknown. A particle that moves to such a place is lost.
-        trap.felt(j, *point, control)?;
+        trap.push(j, *point, control)?;
         *out = Some(follow.from(j, *point, control)?);
         Ok(())
     })?;
@@ -118,10 +118,10 @@ pub fn poised(
     control: &mut Control,
 ) -> Result<Option<[f64; 3]>, Error> {
     let heft = particle.weight(model.medium(), [1.0; 3])[0];
-    let gravity = [0, 1, 2].map(|axis| gravity[axis] - force[axis] / heft);
-    let found = rest(model, drive, &[point], particle, gravity, control)?;
-    let near = distance(found.place[0], point) < 0.5 * model.medium().wavelength();
-    Ok((found.held[0] && near).then_some(found.place[0]))
+    let gravity = (Vec3(gravity) - Vec3(force) / heft).0;
+    let rest = rest(model, drive, &[point], particle, gravity, control)?;
+    let near = Vec3(rest.place[0]).distance(point) < 0.5 * model.medium().wavelength();
+    Ok((rest.held[0] && near).then_some(rest.place[0]))
 }
 
 /// The results for one particle.
@@ -136,7 +136,7 @@ struct One {
 }
 
 impl One {
-    fn lost(place: [f64; 3]) -> Self {
+    fn lost(Vec3(place): Vec3) -> Self {
         let [stiffness, none] = [[f64::NAN; 3]; 2];
         Self {
             place,
@@ -152,40 +152,41 @@ impl One {
 /// Follows a particle in a field, with its weight.
 struct Follow<'a> {
     trap: &'a Trap<'a>,
-    weight: [f64; 3],
+    weight: Vec3,
     wavelength: f64,
 }
 
 impl Follow<'_> {
     /// Energy, net force and second derivatives at a place; `None` if the force there is unknown.
-    fn felt(&self, j: usize, place: [f64; 3], control: &mut Control) -> Result<Option<Felt>, Error> {
-        match self.trap.felt(j, place, control) {
-            Ok((potential, force, hessian)) => {
-                let net = [0, 1, 2].map(|axis| force[axis] + self.weight[axis]);
-                Ok(Some((potential - dot(self.weight, place), net, hessian)))
-            }
+    fn net(&self, j: usize, place: Vec3, control: &mut Control) -> Result<Option<Push>, Error> {
+        match self.trap.push(j, place.0, control) {
+            Ok(push) => Ok(Some(Push {
+                potential: push.potential - self.weight.dot(place),
+                force: push.force + self.weight,
+                ..push
+            })),
             Err(error) if error.is_stop() => Err(error),
             Err(_) => Ok(None),
         }
     }
 
     fn from(&self, j: usize, start: [f64; 3], control: &mut Control) -> Result<One, Error> {
-        let (mut place, mut most) = (start, STEP * self.wavelength);
-        let Some(mut here) = self.felt(j, place, control)? else { return Ok(One::lost(place)) };
+        let (mut place, mut most) = (Vec3(start), STEP * self.wavelength);
+        let Some(mut here) = self.net(j, place, control)? else { return Ok(One::lost(place)) };
         for _ in 0..STEPS {
-            let (stiffness, axes) = eigen(here.2);
-            let step = step(here.1, stiffness, axes, most);
-            let length = math::sqrt(dot(step, step));
-            let next = [0, 1, 2].map(|axis| place[axis] + step[axis]);
+            let (stiffness, axes) = eigen(here.hessian);
+            let step = step(here.force, stiffness, axes, most);
+            let length = step.norm();
+            let next = place + step;
             if length < STILL * self.wavelength {
-                let found = stiffness.iter().all(|&k| k > 0.0);
-                return if found { self.held(j, next, (stiffness, axes), control) } else { Ok(One::lost(next)) };
+                let stable = stiffness.iter().all(|&k| k > 0.0);
+                return if stable { self.held(j, next, stiffness, axes, control) } else { Ok(One::lost(next)) };
             }
-            if distance(next, start) > FAR * self.wavelength {
+            if next.distance(start) > FAR * self.wavelength {
                 return Ok(One::lost(next));
             }
-            let Some(there) = self.felt(j, next, control)? else { return Ok(One::lost(next)) };
-            if there.0 > here.0 && length > 1e3 * STILL * self.wavelength {
+            let Some(there) = self.net(j, next, control)? else { return Ok(One::lost(next)) };
+            if there.potential > here.potential && length > 1e3 * STILL * self.wavelength {
                 most = 0.5 * length;
                 continue;
             }
@@ -198,8 +199,9 @@ impl Follow<'_> {
     fn held(
         &self,
         j: usize,
-        place: [f64; 3],
-        (stiffness, axes): ([f64; 3], [[f64; 3]; 3]),
+        place: Vec3,
+        stiffness: [f64; 3],
+        axes: [[f64; 3]; 3],
         control: &mut Control,
     ) -> Result<One, Error> {
         let mut order = [0, 1, 2];
@@ -208,30 +210,30 @@ impl Follow<'_> {
         let (mut basin, mut restoring) = ([[0.0; 2]; 3], [[0.0; 2]; 3]);
         for (k, axis) in axes.iter().enumerate() {
             for (way, sign) in [-1.0, 1.0].into_iter().enumerate() {
-                [basin[k][way], restoring[k][way]] = self.along(j, place, axis.map(|x| sign * x), control)?;
+                [basin[k][way], restoring[k][way]] = self.along(j, place, sign * Vec3(*axis), control)?;
             }
         }
-        Ok(One { place, held: true, stiffness: order.map(|k| stiffness[k]), axes, basin, restoring })
+        Ok(One { place: place.0, held: true, stiffness: order.map(|k| stiffness[k]), axes, basin, restoring })
     }
 
     /// Returns the distance over which the net force pushes back along a direction, and the largest such force.
-    fn along(&self, j: usize, place: [f64; 3], way: [f64; 3], control: &mut Control) -> Result<[f64; 2], Error> {
+    fn along(&self, j: usize, place: Vec3, way: Vec3, control: &mut Control) -> Result<[f64; 2], Error> {
         let h = STEP * self.wavelength;
         let (mut last, mut before, mut most) = (0.0, 0.0, 0.0_f64);
         for n in 1..=(FAR / STEP) as usize {
-            let at = [0, 1, 2].map(|axis| place[axis] + n as f64 * h * way[axis]);
-            let Some((_, net, _)) = self.felt(j, at, control)? else { return Ok([(n - 1) as f64 * h, most]) };
-            let own = -dot(net, way);
+            let at = place + n as f64 * h * way;
+            let Some(push) = self.net(j, at, control)? else { return Ok([(n - 1) as f64 * h, most]) };
+            let back = -push.force.dot(way);
             // The maximum of the parabola through three neighbouring samples.
-            if last > before && last >= own {
-                let bend = before - 2.0 * last + own;
-                most = most.max(last - (own - before) * (own - before) / (8.0 * bend));
+            if last > before && last >= back {
+                let bend = before - 2.0 * last + back;
+                most = most.max(last - (back - before) * (back - before) / (8.0 * bend));
             }
-            most = most.max(own);
-            if own <= 0.0 {
-                return Ok([h * ((n - 1) as f64 + last / (last - own)), most]);
+            most = most.max(back);
+            if back <= 0.0 {
+                return Ok([h * ((n - 1) as f64 + last / (last - back)), most]);
             }
-            (before, last) = (last, own);
+            (before, last) = (last, back);
         }
         Ok([FAR * self.wavelength, most])
     }
@@ -239,14 +241,14 @@ impl Follow<'_> {
 
 /// Returns the step |H|^-1 net, shortened to at most `most`. With |H| instead of H, the step follows the force also along axes
 /// of negative stiffness.
-fn step(net: [f64; 3], stiffness: [f64; 3], axes: [[f64; 3]; 3], most: f64) -> [f64; 3] {
-    let mut step = [0.0; 3];
+fn step(net: Vec3, stiffness: [f64; 3], axes: [[f64; 3]; 3], most: f64) -> Vec3 {
+    let mut step = Vec3::default();
     for (k, axis) in stiffness.iter().zip(&axes) {
-        let share = dot(net, *axis) / k.abs().max(f64::MIN_POSITIVE);
-        step.iter_mut().zip(axis).for_each(|(step, x)| *step += share.clamp(-1.0, 1.0) * x);
+        let share = net.dot(*axis) / k.abs().max(f64::MIN_POSITIVE);
+        step = step + share.clamp(-1.0, 1.0) * Vec3(*axis);
     }
-    let length = math::sqrt(dot(step, step));
-    if length > most { step.map(|x| x * most / length) } else { step }
+    let length = step.norm();
+    if length > most { most * step / length } else { step }
 }
 
 #[cfg(test)]

@@ -30,6 +30,7 @@ use crate::propagation::scattering::element::{Element, influence};
 use crate::propagation::scattering::reflection::{Reflection, reflections};
 use crate::propagation::sources::Sources;
 use crate::scene::{Array, Medium, Obstacle, Obstacles, check_array, element_size};
+use crate::vec3::Vec3;
 
 /// The step along a normal for numerical derivatives, in wavelengths. The truncation error, proportional to the square of the
 /// step, and the rounding error are both below 1e-7.
@@ -182,11 +183,11 @@ impl Boundary {
         let step = STEP * self.medium().wavelength();
         let parts = incident.chunks_mut(transducers).zip(&self.elements).collect();
         control.each(parts, &|(row, element): (&mut [Complex32], &Element), control| {
-            let beside = |by: f64| [0, 1, 2].map(|axis| element.center()[axis] + by * element.normal[axis]);
+            let beside = |by: f64| (element.center() + by * element.normal).0;
             let sent = |i: usize, place| self.sources.iter().map(|sources| sources.exact(i, place)).sum::<Complex64>();
             for (i, entry) in row.iter_mut().enumerate() {
                 let slope = (sent(i, beside(step)) - sent(i, beside(-step))) / (2.0 * step);
-                let met = sent(i, element.center()) + self.eta() * slope;
+                let met = sent(i, element.center().0) + self.eta() * slope;
                 *entry = Complex32::new(met.re as f32, met.im as f32);
             }
             control.pulse()
@@ -212,7 +213,7 @@ impl Boundary {
             panels::each(InstructionSet::best(), [wave.re, wave.im], panels, point, |[re, im]| {
                 let Some((row, elements)) = parts.next() else { return };
                 for ((sum, element), (&re, &im)) in row.iter_mut().zip(elements).zip(re.iter().zip(im)) {
-                    let near = element.is_near(point).then(|| influence(wave, (point, None), element));
+                    let near = element.is_near(Vec3(point)).then(|| influence(wave, (Vec3(point), None), element));
                     *sum += sign * near.unwrap_or(Complex64::new(re, im));
                 }
             });

@@ -10,9 +10,9 @@ use crate::kernels::panels::{NODES, Panels};
 use crate::kernels::phasor::TAYLOR;
 use crate::kernels::simd::doubles::EIGHT;
 use crate::math;
-use crate::scene::geometry::{cross, distance, dot, minus};
 use crate::scene::mesh::{Triangle, area_vector, halved};
 use crate::scene::{Mesh, Surface};
+use crate::vec3::Vec3;
 
 /// Nodes and weights of a six-point rule on a triangle, exact for polynomials of degree 4 (D. A. Dunavant, Int. J. Numer. Meth.
 /// Eng. 21, 1129, 1985). Each row stands for three nodes: the barycentric coordinate of two corners, that of the third corner,
@@ -41,31 +41,30 @@ const GAUSS: [[f64; 2]; 4] = [
 #[derive(Clone, Copy, Debug)]
 struct Patch {
     corners: Triangle,
-    center: [f64; 3],
+    center: Vec3,
     /// The distance of the farthest corner from the middle.
     reach: f64,
     /// The nodes of [`RULE`], each with its weight in m^2 over 4 pi.
-    nodes: [([f64; 3], f64); NODES],
+    nodes: [(Vec3, f64); NODES],
 }
 
 impl Patch {
     fn new(corners: Triangle) -> Self {
         let [a, b, c] = corners;
-        let center = [0, 1, 2].map(|axis| (a[axis] + b[axis] + c[axis]) / 3.0);
-        let twice = area_vector(corners);
-        let scale = 0.5 * math::sqrt(dot(twice, twice)) / (4.0 * PI);
+        let center = (a + b + c) / 3.0;
+        let scale = 0.5 * area_vector(corners).norm() / (4.0 * PI);
         let nodes = [0, 1, 2, 3, 4, 5].map(|k| {
             let ([share, rest, weight], corner) = (RULE[k / 3], k % 3);
-            let shares = [0, 1, 2].map(|other| if other == corner { rest } else { share });
-            ([0, 1, 2].map(|axis| (0..3).map(|other| shares[other] * corners[other][axis]).sum()), weight * scale)
+            let [x, y, z] = [0, 1, 2].map(|other| if other == corner { rest } else { share });
+            (x * a + y * b + z * c, weight * scale)
         });
-        let reach = corners.iter().map(|&corner| distance(corner, center)).fold(0.0, f64::max);
+        let reach = corners.map(|corner| corner.distance(center)).into_iter().fold(0.0, f64::max);
         Self { corners, center, reach, nodes }
     }
 
     fn quarters(&self) -> [Self; 4] {
         let [a, b, c] = self.corners;
-        let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|[p, q]| [0, 1, 2].map(|axis| 0.5 * (p[axis] + q[axis])));
+        let [ab, bc, ca] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
         [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]].map(Self::new)
     }
 }
@@ -75,12 +74,12 @@ impl Patch {
 pub(crate) struct Element {
     patch: Patch,
     /// The unit normal, which points into the air.
-    pub(crate) normal: [f64; 3],
+    pub(crate) normal: Vec3,
     pub(crate) kind: Surface,
 }
 
 /// A place; and, if it is the middle of an element, the normal there and the factor of the derivative along this normal.
-pub(crate) type Place = ([f64; 3], Option<([f64; 3], Complex64)>);
+pub(crate) type Place = (Vec3, Option<(Vec3, Complex64)>);
 
 impl Element {
     /// Splits the faces of a mesh into elements of at most this area in m^2, with edges of at most this length in m.
@@ -93,18 +92,16 @@ impl Element {
     }
 
     fn new(corners: Triangle, kind: Surface) -> Self {
-        let twice = area_vector(corners);
-        let length = math::sqrt(dot(twice, twice));
-        Self { patch: Patch::new(corners), normal: twice.map(|x| x / length), kind }
+        Self { patch: Patch::new(corners), normal: area_vector(corners).unit(), kind }
     }
 
     /// The element with its corners and its normal mapped, as in a mirror.
-    pub(crate) fn moved(&self, place: impl Fn([f64; 3]) -> [f64; 3], direction: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
+    pub(crate) fn moved(&self, place: impl Fn(Vec3) -> Vec3, direction: impl Fn(Vec3) -> Vec3) -> Self {
         Self { patch: Patch::new(self.patch.corners.map(place)), normal: direction(self.normal), kind: self.kind }
     }
 
     /// The middle of the element.
-    pub(crate) fn center(&self) -> [f64; 3] {
+    pub(crate) fn center(&self) -> Vec3 {
         self.patch.center
     }
 
@@ -114,8 +111,8 @@ impl Element {
     }
 
     /// Whether a place is so near that the integral over the element is cut into quarters.
-    pub(crate) fn is_near(&self, place: [f64; 3]) -> bool {
-        distance(place, self.patch.center) < NEAR * self.patch.reach
+    pub(crate) fn is_near(&self, place: Vec3) -> bool {
+        place.distance(self.patch.center) < NEAR * self.patch.reach
     }
 
     /// Packs elements for [`crate::kernels::panels::each`], with the wavenumber in rad/m.
@@ -133,7 +130,7 @@ impl Element {
                 panels.normal[axis][lane] = element.normal[axis];
             }
             for (k, (node, weight)) in element.patch.nodes.iter().enumerate() {
-                node.iter().zip(&mut panels.nodes[k]).for_each(|(x, own)| own[lane] = *x);
+                node.iter().zip(&mut panels.nodes[k]).for_each(|(x, lanes)| lanes[lane] = *x);
                 panels.weights[k][lane] = *weight;
             }
             [panels.beside[lane], panels.along[lane]] = match element.kind {
@@ -164,13 +161,12 @@ impl Element {
         let turned = Complex64::I * wave;
         let mut sum = Complex64::ZERO;
         for k in 0..3 {
-            let [a, b] = [k, (k + 1) % 3].map(|corner| minus(self.patch.corners[corner], self.patch.center));
-            let side = minus(b, a);
-            let length = math::sqrt(dot(side, side));
-            let across = cross(a, b);
+            let [a, b] = [k, (k + 1) % 3].map(|corner| self.patch.corners[corner] - self.patch.center);
+            let side = b - a;
+            let length = side.norm();
             // The length of the perpendicular from the middle to this side, and the angles from it to the corners.
-            let height = math::sqrt(dot(across, across)) / length;
-            let [first, last] = [a, b].map(|corner| math::atan2(dot(corner, side) / length, height));
+            let height = a.cross(b).norm() / length;
+            let [first, last] = [a, b].map(|corner| math::atan2(corner.dot(side) / length, height));
             for [node, weight] in GAUSS.into_iter().flat_map(|[node, weight]| [[-node, weight], [node, weight]]) {
                 let angle = 0.5 * (first + last) + 0.5 * (last - first) * node;
                 let reach = height / math::cos(angle);
@@ -200,21 +196,21 @@ pub(crate) fn influence(wave: Complex64, place: Place, element: &Element) -> Com
 }
 
 fn integral(wave: Complex64, place: Place, element: &Element, patch: &Patch, cuts: u32) -> Complex64 {
-    let away = distance(place.0, patch.center);
+    let away = place.0.distance(patch.center);
     if cuts > 0 && away < NEAR * patch.reach {
         return patch.quarters().iter().map(|part| integral(wave, place, element, part, cuts - 1)).sum();
     }
     let turned = Complex64::I * wave;
     let at_center = phasor(turned * away);
     // The six nodes go through each step together, so that the CPU can overlap their computations.
-    let rays = patch.nodes.map(|(node, _)| minus(place.0, node));
-    let distances = rays.map(|ray| math::sqrt(dot(ray, ray)).max(1e-3 * patch.reach));
+    let rays = patch.nodes.map(|(node, _)| place.0 - node);
+    let distances = rays.map(|ray| ray.norm().max(1e-3 * patch.reach));
     let phasors = near_phasors(turned, distances.map(|r| r - away));
     let mut sum = Complex64::ZERO;
     for k in 0..6 {
         let near = 1.0 / distances[k];
         let g = phasors[k] * (patch.nodes[k].1 * near);
-        sum += kernel(turned, (rays[k], near, g), place.1, element);
+        sum += kernel(turned, rays[k], near, g, place.1, element);
     }
     sum * at_center
 }
@@ -223,24 +219,26 @@ fn integral(wave: Complex64, place: Place, element: &Element, patch: &Patch, cut
 /// `derivative`, adds the factor times the derivative along the normal n_x.
 fn kernel(
     turned: Complex64,
-    (ray, near, g): ([f64; 3], f64, Complex64),
-    derivative: Option<([f64; 3], Complex64)>,
+    ray: Vec3,
+    near: f64,
+    g: Complex64,
+    derivative: Option<(Vec3, Complex64)>,
     element: &Element,
 ) -> Complex64 {
     let slope = g * (turned - near);
-    let from = -dot(ray, element.normal) * near;
+    let from = -ray.dot(element.normal) * near;
     let Some((normal, factor)) = derivative else {
         return match element.kind {
             Surface::Rigid => slope * from,
             Surface::Soft => g,
         };
     };
-    let to = dot(ray, normal) * near;
+    let to = ray.dot(normal) * near;
     match element.kind {
         Surface::Soft => g + factor * slope * to,
         Surface::Rigid => {
             let curve = slope * (turned - near) + g * (near * near);
-            let mixed = -(dot(normal, element.normal) + to * from) * near;
+            let mixed = -(normal.dot(element.normal) + to * from) * near;
             slope * from + factor * (curve * (to * from) + slope * mixed)
         }
     }

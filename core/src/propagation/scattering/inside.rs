@@ -15,8 +15,8 @@ use crate::math;
 use crate::propagation::scattering::boundary::Boundary;
 use crate::propagation::scattering::element::Element;
 use crate::scene::Mesh;
-use crate::scene::geometry::{cross, dot, minus};
 use crate::scene::mesh::Triangle;
+use crate::vec3::Vec3;
 
 /// The depth below an element at which the body must still be, as a part of the element's reach. It comes from trials with
 /// rigid plates of different thickness. The sound in their shadow is within 2 % from a thickness of 0.18 of the reach on. It is
@@ -31,9 +31,9 @@ impl Boundary {
     pub(crate) fn enclosed(&self, control: &mut Control) -> Result<(), Error> {
         let parts = self.elements.iter().collect();
         control.each(parts, &|element: &Element, control| {
-            let place = below(element.center(), element.normal, DEPTH * element.reach());
+            let place = (element.center() - DEPTH * element.reach() * element.normal).0;
             let winding: f64 = self.obstacles.meshes().map(|mesh| mesh.winding(place)).sum();
-            let [x, y, z] = element.center();
+            let [x, y, z] = element.center().0;
             let at = format!("near ({x:.4}, {y:.4}, {z:.4}) m");
             if winding > 1.5 {
                 let value = format!("bodies that cross, contain each other or are there twice {at}");
@@ -65,12 +65,12 @@ impl Boundary {
         let (mut left, mut came) = (0.0, 0.0);
         let mut row = Vec::new();
         for element in self.elements.iter().step_by(self.elements.len().div_ceil(LOOKS)) {
-            let (from, way) = (element.center(), element.normal.map(|x| -x));
+            let (from, way) = (element.center(), -element.normal);
             let far = triangles.iter().filter_map(|&triangle| hit(from, way, triangle)).fold(f64::INFINITY, f64::min);
             if !far.is_finite() {
                 continue;
             }
-            let place = below(from, element.normal, 0.5 * far);
+            let place = (from - 0.5 * far * element.normal).0;
             self.row(place, &mut row);
             for i in 0..transducers {
                 let sent: Complex64 = self.sources.iter().map(|sources| sources.exact(i, place)).sum();
@@ -87,20 +87,15 @@ impl Boundary {
     }
 }
 
-fn below(center: [f64; 3], normal: [f64; 3], depth: f64) -> [f64; 3] {
-    [0, 1, 2].map(|axis| center[axis] - depth * normal[axis])
-}
-
 /// Returns the distance along a ray to a triangle, or `None` if the ray does not meet it or begins on it (T. Moeller and B.
 /// Trumbore, J. Graph. Tools 2, 21, 1997). The unit is the length of `way`.
-fn hit(from: [f64; 3], way: [f64; 3], [a, b, c]: Triangle) -> Option<f64> {
-    let (ab, ac, start) = (minus(b, a), minus(c, a), minus(from, a));
-    let across = cross(way, ac);
-    let scale = dot(ab, across);
-    let (u, turned) = (dot(start, across) / scale, cross(start, ab));
-    let (v, far) = (dot(way, turned) / scale, dot(ac, turned) / scale);
-    let size = math::sqrt(dot(ab, ab));
-    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && far > 1e-6 * size).then_some(far)
+fn hit(from: Vec3, way: Vec3, [a, b, c]: Triangle) -> Option<f64> {
+    let (ab, ac, start) = (b - a, c - a, from - a);
+    let across = way.cross(ac);
+    let scale = ab.dot(across);
+    let (u, turned) = (start.dot(across) / scale, start.cross(ab));
+    let (v, far) = (way.dot(turned) / scale, ac.dot(turned) / scale);
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && far > 1e-6 * ab.norm()).then_some(far)
 }
 
 #[cfg(test)]

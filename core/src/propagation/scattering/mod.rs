@@ -38,7 +38,7 @@ impl Scattering {
     pub(crate) fn new(sources: &Sources, obstacles: Obstacles, control: &mut Control) -> Result<Self, Error> {
         let sphere = obstacles.given().iter().find_map(|obstacle| match obstacle {
             Obstacle::Sphere { center, radius, kind } => {
-                Some(Sphere::new((*center, *radius, *kind), sources.medium, sources.array.positions()))
+                Some(Sphere::new(*center, *radius, *kind, sources.medium, sources.array.positions()))
             }
             _ => None,
         });

@@ -14,7 +14,8 @@ use alloc::vec::Vec;
 
 use crate::propagation::scattering::element::Element;
 use crate::scene::wall::Mirror;
-use crate::scene::{Array, Obstacles, Surface, distance};
+use crate::scene::{Array, Obstacles, Surface};
+use crate::vec3::Vec3;
 
 /// The most walls that a wave meets one after another. With three, a corner of three walls is exact.
 const MOST_REFLECTIONS: usize = 3;
@@ -27,11 +28,11 @@ const SAME: f64 = 1e-9;
 pub(crate) struct Reflection(Vec<Mirror>);
 
 impl Reflection {
-    fn place(&self, place: [f64; 3]) -> [f64; 3] {
+    fn place(&self, place: Vec3) -> Vec3 {
         self.0.iter().fold(place, |place, mirror| mirror.place(place))
     }
 
-    pub(crate) fn direction(&self, direction: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn direction(&self, direction: Vec3) -> Vec3 {
         self.0.iter().fold(direction, |direction, mirror| mirror.direction(direction))
     }
 
@@ -43,7 +44,7 @@ impl Reflection {
 
     /// The mirror image of an array.
     pub(crate) fn array(&self, array: &Array) -> Array {
-        array.moved(|place| self.place(place), |direction| self.direction(direction), self.sign() < 0.0)
+        array.moved(|x| self.place(Vec3(x)).0, |v| self.direction(Vec3(v)).0, self.sign() < 0.0)
     }
 
     /// The mirror image of an element.
@@ -57,16 +58,16 @@ impl Reflection {
 pub(crate) fn reflections(centre: [f64; 3], obstacles: &Obstacles) -> Vec<Reflection> {
     // Two reflections are the same if they map four places alike.
     let [x, y, z] = centre;
-    let probe = [[x, y, z], [x + 1.0, y, z], [x, y + 1.0, z], [x, y, z + 1.0]];
+    let probe = [[x, y, z], [x + 1.0, y, z], [x, y + 1.0, z], [x, y, z + 1.0]].map(Vec3);
     let mut seen = vec![probe];
-    let mut found: Vec<Reflection> = Vec::new();
+    let mut all: Vec<Reflection> = Vec::new();
     let mut last = vec![(Reflection(Vec::new()), probe)];
     for _ in 0..MOST_REFLECTIONS {
         let mut next = Vec::new();
         for (before, corners) in &last {
             for mirror in obstacles.mirrors() {
                 let corners = corners.map(|corner| mirror.place(corner));
-                let same = |other: &[[f64; 3]; 4]| (0..4).all(|k| distance(other[k], corners[k]) < SAME);
+                let same = |other: &[Vec3; 4]| (0..4).all(|k| other[k].distance(corners[k]) < SAME);
                 if seen.iter().any(same) {
                     continue;
                 }
@@ -75,8 +76,8 @@ pub(crate) fn reflections(centre: [f64; 3], obstacles: &Obstacles) -> Vec<Reflec
                 next.push((Reflection(mirrors), corners));
             }
         }
-        found.extend(next.iter().map(|(reflection, _)| reflection.clone()));
+        all.extend(next.iter().map(|(reflection, _)| reflection.clone()));
         last = next;
     }
-    found
+    all
 }

@@ -22,6 +22,7 @@ use crate::error::Error;
 use crate::math;
 use crate::propagation::sources::Sources;
 use crate::scene::{Medium, Surface, distance};
+use crate::vec3::Vec3;
 
 /// Terms smaller than e^-10 = 5e-5 of a transducer's largest term are left out.
 const CUT: f64 = 10.0;
@@ -51,18 +52,18 @@ pub(crate) struct Sphere {
 impl Sphere {
     /// Returns a sphere that has been checked. Its highest order is chosen for the distance of the nearest of `places`, the
     /// transducers.
-    pub(crate) fn new((center, radius, kind): ([f64; 3], f64, Surface), medium: Medium, places: &[[f64; 3]]) -> Self {
+    pub(crate) fn new(center: [f64; 3], radius: f64, kind: Surface, medium: Medium, places: &[[f64; 3]]) -> Self {
         let size = medium.wavenumber() * radius;
         let nearest = places.iter().map(|&place| distance(place, center)).fold(f64::INFINITY, f64::min);
         // Beyond n = k r, the terms of a source at the distance r fall as (a/r)^n.
         let far = 6.0 * math::cbrt(size) + 12.0;
         let near = (CUT / math::log(nearest / radius)).min(MOST_EXTRA);
         let order = math::ceil(size + far.max(near)) as usize;
-        Self::of_order((center, radius, kind), medium, order)
+        Self::of_order(center, radius, kind, medium, order)
     }
 
     /// Returns a sphere with a given highest order.
-    pub(crate) fn of_order((center, radius, kind): ([f64; 3], f64, Surface), medium: Medium, order: usize) -> Self {
+    pub(crate) fn of_order(center: [f64; 3], radius: f64, kind: Surface, medium: Medium, order: usize) -> Self {
         let wavenumber = medium.complex_wavenumber();
         let surface = hankel(wavenumber * radius, order + 1);
         Self { center, radius, kind, wavenumber, order, surface, factors: factors(order) }
@@ -76,8 +77,8 @@ impl Sphere {
     /// Writes each outgoing wave h_n(kr)/h_n(ka) Y_k at a point outside of the sphere. The ratio of Hankel functions has a
     /// modulus of at most 1.
     pub(crate) fn row(&self, point: [f64; 3], row: &mut Vec<Complex64>) {
-        let ray = [0, 1, 2].map(|axis| point[axis] - self.center[axis]);
-        let r = distance(point, self.center).max(self.radius);
+        let ray = Vec3(point) - self.center;
+        let r = ray.norm().max(self.radius);
         let outgoing = hankel(self.wavenumber * r, self.order);
         let angle = math::atan2(ray[1], ray[0]);
         let legendre = self.legendre((ray[2] / r).clamp(-1.0, 1.0));
@@ -134,7 +135,7 @@ impl Sphere {
 
     /// The wave of a transducer at the surface in a direction: p for a soft sphere, dp/dr for a rigid one.
     fn met(&self, sources: &Sources, i: usize, direction: [f64; 3]) -> Complex64 {
-        let sent = |r: f64| sources.sent(i, [0, 1, 2].map(|axis| self.center[axis] + r * direction[axis]));
+        let sent = |r: f64| sources.sent(i, (Vec3(self.center) + r * Vec3(direction)).0);
         match self.kind {
             Surface::Soft => sent(self.radius),
             Surface::Rigid => {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::InstructionSet;
 use crate::propagation::forces::gorkov::gorkov;
-use crate::scene::{Array, Medium};
+use crate::scene::{Array, Medium, distance, dot};
 
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 

@@ -10,6 +10,7 @@ use crate::kernels::{InstructionSet, panels};
 use crate::propagation::scattering::element::{Element, influence};
 use crate::propagation::{Boundary, Model, field};
 use crate::scene::{Array, Directivity, Medium, Mesh, Obstacle, Surface, Transducer};
+use crate::vec3::Vec3;
 
 const K: f64 = TAU * 40e3 / 340.0;
 const CENTER: [f64; 3] = [0.004, -0.003, 0.06];
@@ -286,7 +287,7 @@ fn eight_elements_at_once_send_what_each_of_them_does() {
             boundary.row(point, &mut row);
             assert_eq!(row.len(), boundary.elements());
             for (found, element) in row.iter().zip(&boundary.elements) {
-                let wanted = influence(wave, (point, None), element);
+                let wanted = influence(wave, (Vec3(point), None), element);
                 assert!(
                     (found - wanted).norm() < 1e-7 * wanted.norm().max(1e-4),
                     "{kind:?} {point:?} {found} {wanted}"

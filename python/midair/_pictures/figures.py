@@ -125,7 +125,7 @@ def holding() -> Style | None:
     return next((style for style in STYLES.values() if style.settings["figure.figsize"] == size), None)
 
 
-class Sheet(Figure):
+class FontFigure(Figure):
     """A figure whose saved files contain text in TrueType fonts."""
 
     def savefig(self, *arguments: Any, **keywords: Any) -> None:
@@ -140,9 +140,9 @@ def head(figure: Figure, *lines: str) -> None:
         figure.suptitle("\n".join(filter(None, lines)), fontsize="medium", wrap=True)
 
 
-def sheet(
+def new_figure(
     width: float, height: float, size: Size | None = None, make: Callable[..., Any] | None = None
-) -> Sheet:
+) -> FontFigure:
     """Return a new figure of `size`. By default it is as wide as a column or page of the journal's style.
 
     Parameters
@@ -170,8 +170,8 @@ def sheet(
     if len(sides) != 2 or not all(np.isfinite(side) and side > 0 for side in sides):
         raise refused("size", size, "give a width in inches, or (width, height)")
     if make is None:
-        return Sheet(figsize=(sides[0], sides[1]), layout="constrained")
-    made: Sheet = make(FigureClass=Sheet, figsize=sides, layout="constrained")
+        return FontFigure(figsize=(sides[0], sides[1]), layout="constrained")
+    made: FontFigure = make(FigureClass=FontFigure, figsize=sides, layout="constrained")
     return made
 
 

@@ -11,8 +11,8 @@ import pytest
 
 import midair
 import midair._sequence.solve as motion
-from midair._points import boundary as cache
-from midair._support import kept, output
+from midair._points import boundary
+from midair._support import cache, output
 from sweeps import REQUESTED
 
 BOARD = midair.Array.grid(8, 8, 10e-3, quantization=midair.Array.preset("sonicsurface").quantization)
@@ -25,15 +25,15 @@ SCRIPT = """
 import sys, time
 from pathlib import Path
 sys.path.insert(0, {tests!r})
-import test_kept
-test_kept.motion.BLOCK = 16
+import test_cache
+test_cache.motion.BLOCK = 16
 if {most}:
     import resource, signal
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, ({most}, resource.RLIM_INFINITY))
 try:
-    test_kept.solved(Path({path!r}), progress=lambda *_: time.sleep({slow}))
-except test_kept.midair.SceneError as error:
+    test_cache.solved(Path({path!r}), progress=lambda *_: time.sleep({slow}))
+except test_cache.midair.SceneError as error:
     sys.exit(str(error))
 """
 
@@ -164,7 +164,7 @@ def test_a_killed_run_frees_its_folder(tmp_path: Path, whole: midair.Sequence) -
 
 def test_two_sweeps_of_one_output_do_not_meet(tmp_path: Path) -> None:
     with (
-        kept.locked(tmp_path / ".table.csv.chunks"),
+        cache.locked(tmp_path / ".table.csv.chunks"),
         pytest.raises(midair.SceneError, match="in use by another run"),
     ):
         midair.sweep(REQUESTED, tmp_path / "table.csv")
@@ -173,8 +173,8 @@ def test_two_sweeps_of_one_output_do_not_meet(tmp_path: Path) -> None:
 
 def test_a_lock_is_free_again_and_leaves_nothing(tmp_path: Path) -> None:
     for _ in range(2):
-        with kept.locked(tmp_path / "a" / "b"):
-            assert (tmp_path / "a" / "b" / kept.LOCK).exists()
+        with cache.locked(tmp_path / "a" / "b"):
+            assert (tmp_path / "a" / "b" / cache.LOCK).exists()
     assert not list((tmp_path / "a").iterdir())
 
 
@@ -192,12 +192,12 @@ def test_a_full_disk_is_reported_in_one_line(tmp_path: Path) -> None:
 def test_kept_sound_of_a_mesh_with_a_flipped_bit_is_none(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cache, "folder", lambda: tmp_path)
+    monkeypatch.setattr(boundary, "folder", lambda: tmp_path)
     sound = np.full((40, 30), 1 + 2j, np.complex64)
-    cache.store(b"content", sound)
-    file = cache.path(b"content")[0]
+    boundary.store(b"content", sound)
+    file = boundary.path(b"content")[0]
     content = file.read_bytes()
-    found = cache.load(b"content", (40, 30))
+    found = boundary.load(b"content", (40, 30))
     assert found is not None
     assert np.array_equal(found, sound)
     for spoilt in (
@@ -208,13 +208,13 @@ def test_kept_sound_of_a_mesh_with_a_flipped_bit_is_none(
         b"\x93NUMPY\x01\x00F\x00{'descr': '<c8', 'fortran_order': False, 'shape': (99999999999999, 9)}\n",
     ):
         file.write_bytes(spoilt)
-        assert cache.load(b"content", (40, 30)) is None
+        assert boundary.load(b"content", (40, 30)) is None
     # A file with the content for one mesh is not read for another mesh.
-    cache.path(b"other")[0].write_bytes(content)
-    assert cache.load(b"other", (40, 30)) is None
+    boundary.path(b"other")[0].write_bytes(content)
+    assert boundary.load(b"other", (40, 30)) is None
     (tmp_path / "notes.npz").write_text("mine")
-    monkeypatch.setattr(cache, "MOST", 0)
-    cache.prune(tmp_path)
+    monkeypatch.setattr(boundary, "MOST", 0)
+    boundary.prune(tmp_path)
     assert [file.name for file in tmp_path.iterdir()] == ["notes.npz"]
 
 
@@ -231,7 +231,7 @@ def test_what_is_written_reaches_the_disk_before_its_name(
     monkeypatch.setattr(
         output.os, "fsync", lambda handle: seen.append(Path(f"/proc/self/fd/{handle}").resolve().name)
     )
-    kept.save(tmp_path / "a.npz", "a", {"x": np.zeros(3)})
+    cache.save(tmp_path / "a.npz", "a", {"x": np.zeros(3)})
     assert [name.endswith(".part") for name in seen] == [True, False]
     assert seen[1] == tmp_path.name
 
