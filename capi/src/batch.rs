@@ -12,7 +12,7 @@ use midair::{Complex32, Control, Error, SolveRequest, Threads};
 use crate::answer::Answer;
 use crate::memory::{Complex, Lists, list, room, text, write};
 use crate::outcome::{Message, Outcome, outcome};
-use crate::session::{Session, State, write_request};
+use crate::session::{Session, State};
 
 /// Returns the number of threads: at most this many, or as many as there are processors for 0.
 fn at_most(threads: usize) -> usize {
@@ -79,7 +79,7 @@ pub unsafe extern "C" fn midair_session_solve_batch(
         let request = |k: usize, ask: &mut SolveRequest| {
             let own = k * count..(k + 1) * count;
             let [pressures, weights] = [all.pressures, all.weights].map(|list| list.map(|list| &list[own.clone()]));
-            write_request(ask, Lists { points: &all.points[own], pressures, weights });
+            ask.write(&all.points[own], [pressures, None, weights]);
             ask.aim = aim;
             Ok(())
         };

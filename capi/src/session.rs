@@ -50,11 +50,8 @@ impl State {
     /// Solves the request of the scene from which the session was made.
     pub(crate) fn solve_own(&mut self) -> Result<&midair::Solution, Error> {
         if let Some(own) = &self.own {
-            // The scene's request is copied into the memory of the last request.
-            self.ask.points.clone_from(&own.points);
-            self.ask.request.pressures.clone_from(&own.request.pressures);
-            self.ask.request.phases.clone_from(&own.request.phases);
-            self.ask.request.weights.clone_from(&own.request.weights);
+            let Request { pressures, phases, weights } = &own.request;
+            self.ask.write(&own.points, [pressures, phases, weights].map(Option::as_deref));
         }
         self.session.solve(&self.ask, &mut Control::none())
     }
@@ -103,26 +100,6 @@ impl Session {
         *state = State { own: state.own.take(), ..next };
         Ok(news)
     }
-}
-
-/// Writes a request over the last one, and reuses its memory.
-pub(crate) fn write_request(ask: &mut SolveRequest, lists: Lists<'_>) {
-    ask.points.clear();
-    ask.points.extend_from_slice(lists.points);
-    keep(&mut ask.request.pressures, lists.pressures);
-    ask.request.phases = None;
-    keep(&mut ask.request.weights, lists.weights);
-}
-
-/// Copies numbers into a list, and reuses its memory.
-fn keep(list: &mut Option<Vec<f64>>, given: Option<&[f64]>) {
-    let Some(given) = given else {
-        *list = None;
-        return;
-    };
-    let kept = list.get_or_insert_default();
-    kept.clear();
-    kept.extend_from_slice(given);
 }
 
 /// Makes a session for an array and a method, such as "uniform" or "fast", with the array's default medium. The session has a
@@ -272,7 +249,7 @@ pub unsafe extern "C" fn midair_session_solve(
             state.solve_own()?
         } else {
             let State { session, ask, .. } = &mut *state;
-            write_request(ask, lists);
+            ask.write(lists.points, [lists.pressures, None, lists.weights]);
             session.solve(ask, &mut Control::none())?
         };
         // SAFETY: `room` was checked, and the caller guarantees the buffers; both complex types are two consecutive f32.

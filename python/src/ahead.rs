@@ -1,9 +1,8 @@
-//! Phase tracks over a whole sequence or a window of frames, for `midair.sequence`; saving and restoring `glide`'s state.
+//! Phase tracks over a whole sequence or a window of frames, for `midair.sequence`.
 
-use midair::Complex32;
 use midair::sequence::{Ahead, Ends, ahead, stiffen as stiffen_tracks};
-use midair::solvers::{Last, Remark};
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use midair::solvers::Remark;
+use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::ctrl_c::attend;
@@ -12,7 +11,6 @@ use crate::give;
 use crate::limits;
 use crate::read;
 use crate::scene::Scene;
-use crate::solver::Solver;
 
 type Argument<'a, 'py> = &'a Bound<'py, PyAny>;
 
@@ -90,68 +88,4 @@ pub(crate) fn stiffen<'py>(
         stiffen_tracks(&model, &points, &how, (rate, margin), &mut codes, &mut control.on(threads)).map(|()| codes)
     })?;
     give::table(py, codes, [frames, model.array().len()])
-}
-
-/// State of `glide` as Python objects.
-type Remembered<'py> = (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f32>>, f32, Bound<'py, PyArray2<f64>>);
-
-#[pymethods]
-impl Solver {
-    /// Return the state of `glide` after its last frame, for `restore`; None before the first.
-    ///
-    /// Returns
-    /// -------
-    /// tuple of (drives, weights, unevenness, motion), or None
-    ///     complex64 (3, N) drives at full amplitude as found and as played, and the envelopes; float32 (M,) weights;
-    ///     the unevenness of the points; of traps (K, 3) places in m, velocities and accelerations.
-    fn last<'py>(&self, py: Python<'py>) -> PyResult<Option<Remembered<'py>>> {
-        let mut state = self.state()?;
-        let last = state.session.last();
-        if last.is_empty() {
-            return Ok(None);
-        }
-        let (drives, weights, unevenness) = last.parts();
-        let table = give::table(py, drives.concat(), [3, drives[0].len()])?;
-        Ok(Some((table, give::list(py, weights.to_vec()), unevenness, give::rows(py, last.motion())?)))
-    }
-
-    /// Restore the state from `last`.
-    ///
-    /// Parameters
-    /// ----------
-    /// drives, weights, unevenness, motion
-    ///     (3, N), (M,), a number and (K, 3), as `last` returns them.
-    ///
-    /// Raises
-    /// ------
-    /// SceneError
-    ///     For arrays of another shape than in `last`.
-    /// TypeError
-    ///     For other types.
-    fn restore(
-        &self,
-        drives: PyReadonlyArray2<'_, Complex32>,
-        weights: PyReadonlyArray1<'_, f32>,
-        unevenness: f32,
-        motion: PyReadonlyArray2<'_, f64>,
-    ) -> PyResult<()> {
-        let mut state = self.state()?;
-        let (shape, transducers) = (drives.shape(), state.session.transducers());
-        if shape != [3, transducers] {
-            return Err(invalid(
-                "drives",
-                &format!("of shape {shape:?}"),
-                &format!("give (3, {transducers}), of last()"),
-            ));
-        }
-        if motion.shape()[1] != 3 {
-            let shape = format!("of shape {:?}", motion.shape());
-            return Err(invalid("motion", &shape, "give (K, 3), of last()"));
-        }
-        let rows = drives.as_array();
-        let parts = [0, 1, 2].map(|k| rows.row(k).to_vec());
-        let motion = motion.as_array().rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect();
-        *state.session.last() = Last::restore(parts, weights.as_array().to_vec(), unevenness, motion);
-        Ok(())
-    }
 }

@@ -19,7 +19,7 @@ use crate::numbers::quoted;
 use crate::out;
 use crate::pickle::{Reduced, part, part_or_none, restored};
 use crate::read::{self, Starts};
-use crate::setting::{Setting, Source};
+use crate::setting::{Setting, Source, points_of};
 use crate::solution::Solution;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -51,6 +51,17 @@ struct BatchRequest {
     request: Request,
 }
 
+impl BatchRequest {
+    /// Writes the request of problem `k` of `size` points.
+    fn write(&self, k: usize, size: usize, single: &mut SolveRequest) {
+        let range = k * size..(k + 1) * size;
+        let Request { pressures, phases, weights } = &self.request;
+        let lists = [pressures, phases, weights].map(|list| list.as_ref().map(|list| &list[range.clone()]));
+        single.write(self.points.get(range.clone()).unwrap_or_default(), lists);
+        single.aim = self.chosen.choice.aim;
+    }
+}
+
 impl Batch {
     /// Borrows the drives for reading; raises SceneError while another call writes them.
     fn borrowed<'py>(&self, py: Python<'py>) -> PyResult<PyReadonlyArray2<'py, Complex32>> {
@@ -71,18 +82,16 @@ impl Batch {
             .map_err(|error: PyErr| if error.is_instance_of::<PyOverflowError>(py) { outside() } else { error })?;
         let k = if at < 0 { at.checked_add_unsigned(count) } else { Some(at) };
         let k = k.and_then(|k| usize::try_from(k).ok()).filter(|&k| k < count).ok_or_else(outside)?;
-        let (own, whole) = (k * size..(k + 1) * size, &self.request);
-        let part = |list: &Option<Vec<f64>>| list.as_ref().map(|list| list[own.clone()].to_vec());
-        let Request { pressures, phases, weights } = &whole.request;
-        let request = Request { pressures: part(pressures), phases: part(phases), weights: part(weights) };
-        let points = whole.points.get(own.clone()).unwrap_or_default();
-        let problem = attend(py, None, |mut control| whole.source.problem(points, &request, &mut control))?;
-        let problem = problem.with_aim(whole.chosen.choice.aim);
+        let (whole, mut single) = (&self.request, SolveRequest::default());
+        whole.write(k, size, &mut single);
+        let SolveRequest { points, request, aim, .. } = single;
+        let problem = attend(py, None, |mut control| whole.source.problem(&points, &request, &mut control))?;
+        let problem = problem.with_aim(aim);
         let drives = self.borrowed(py)?;
         let transducers = drives.len() / count;
         let drive = drives.as_slice()?[k * transducers..(k + 1) * transducers].to_vec();
         let outcome = (self.inner.status[k], self.inner.steps[k], self.inner.scale[k]);
-        let pressures = self.inner.pressures[own].to_vec();
+        let pressures = self.inner.pressures[k * size..(k + 1) * size].to_vec();
         let solution = attend(py, None, |mut control| {
             midair::Solution::restored(&problem, drive, pressures, outcome, None, &mut control)
         })
@@ -272,21 +281,19 @@ pub(crate) fn solve_batch(
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Batch> {
     let Setting { mut session, chosen, source } = Setting::read(scene, solver, options)?;
-    let (points, [count, size]) = match (session.given_points(), points) {
-        (None, Some(points)) => read::batch_of_points("points", points)?,
-        (Some(size), None) => (Vec::new(), [read::batch_size("pressures", pressures, size)?, size]),
-        (Some(_), Some(_)) => {
-            return Err(invalid("points", "given", "a matrix has its own points: leave them out"));
-        }
-        (None, None) => {
-            return Err(invalid("points", "left out", "give them, of shape (B, M, 3), in metres"));
+    let (points, [count, size]) = match points_of(&session, points, "(B, M, 3)")? {
+        Some(points) => read::batch_of_points("points", points)?,
+        None => {
+            let size = session.given_points().unwrap_or_default();
+            (Vec::new(), [read::batch_size("pressures", pressures, size)?, size])
         }
     };
     let given = pressures.map(|value| read::batch_of_pressures(value, [count, size])).transpose()?;
     let weights = weights.map(|value| read::batch_of_numbers("weights", value, [count, size])).transpose()?;
     let request = Request { weights, ..given.unwrap_or_default() };
+    let request = BatchRequest { source, chosen, points, request };
     let transducers = session.transducers();
-    chosen.check_start(start.is_some())?;
+    request.chosen.check_start(start.is_some())?;
     let starts = match start {
         None => Starts::None,
         Some(start) => read::batch_of_starts("start", start, [count, transducers], [count, size])?,
@@ -304,16 +311,12 @@ pub(crate) fn solve_batch(
     let threads = limits::at_most(py, threads)?;
     let clock = Instant::now();
     let write = |k: usize, single: &mut SolveRequest| -> Result<(), midair::Error> {
-        let own = k * size..(k + 1) * size;
-        let lists = [&request.pressures, &request.phases, &request.weights];
-        let lists = lists.map(|list| list.as_ref().map(|list| &list[own.clone()]));
-        write_over(single, points.get(own.clone()).unwrap_or_default(), lists);
+        request.write(k, size, single);
         single.start = match &starts {
             Starts::None => None,
             Starts::Drives(drives) => Some(Start::Drive(drives[k * transducers..(k + 1) * transducers].to_vec())),
-            Starts::Phases(phases) => Some(Start::Phases(phases[own].to_vec())),
+            Starts::Phases(phases) => Some(Start::Phases(phases[k * size..(k + 1) * size].to_vec())),
         };
-        single.aim = chosen.choice.aim;
         Ok(())
     };
     let slice = writable.as_slice_mut()?;
@@ -323,28 +326,8 @@ pub(crate) fn solve_batch(
     if out.is_none() {
         writable.make_nonwriteable();
     }
-    warn_all(py, session.batch_doubts(&points, size))?;
+    warn_all(py, session.batch_doubts(&request.points, size))?;
     warn_all(py, &inner.remarks)?;
     let elapsed = clock.elapsed().as_secs_f64();
-    let request = BatchRequest { source, chosen, points, request };
     Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed, request })
-}
-
-/// Replaces the points, pressures, phases and weights of a request, and reuses its memory.
-pub(crate) fn write_over(ask: &mut SolveRequest, points: &[[f64; 3]], lists: [Option<&[f64]>; 3]) {
-    ask.points.clear();
-    ask.points.extend_from_slice(points);
-    let Request { pressures, phases, weights } = &mut ask.request;
-    [pressures, phases, weights].into_iter().zip(lists).for_each(|(own, list)| rewrite(own, list));
-}
-
-/// Replaces a list, and reuses its memory.
-fn rewrite(list: &mut Option<Vec<f64>>, with: Option<&[f64]>) {
-    match (list, with) {
-        (Some(list), Some(with)) => {
-            list.clear();
-            list.extend_from_slice(with);
-        }
-        (list, with) => *list = with.map(<[f64]>::to_vec),
-    }
 }

@@ -274,27 +274,3 @@ pub(crate) fn field<'py>(
     let picture = others.remove(0);
     Ok(Field { scene: scene.get().clone(), solution, picture, others })
 }
-
-#[pymethods]
-impl Solution {
-    /// Compute the solution's field: `midair.field` of its scene and drive, times its scale.
-    ///
-    /// Parameters
-    /// ----------
-    /// plane : midair.Plane or (P, 3) array_like, optional
-    ///     Plane or points, as for `midair.field`.
-    ///
-    /// Returns
-    /// -------
-    /// midair.Field
-    ///     The field.
-    ///
-    /// Raises
-    /// ------
-    /// SceneError
-    ///     For wrong points, and for a solution without a scene.
-    #[pyo3(signature = (plane=None))]
-    fn field<'py>(slf: &Bound<'py, Self>, plane: Option<Bound<'py, PyAny>>) -> PyResult<Field> {
-        field(slf.py(), slf, None, plane)
-    }
-}

@@ -12,7 +12,7 @@ use crate::give::{self, rows};
 use crate::limits;
 use crate::pickle::pickled;
 use crate::read;
-use crate::solution::{Solution, about, played};
+use crate::solution::{about, played};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -295,53 +295,4 @@ pub(crate) fn rest<'py>(
         attend(py, None, |control| midair::rest(&model, &drive, &points, particle, gravity, &mut control.on(threads)))?;
     warn_all(py, remark)?;
     Ok(Rest { place, held, stiffness, axes, basin, restoring, mass: particle.mass(model.medium()) })
-}
-
-#[pymethods]
-impl Solution {
-    /// Compute potential, force and stiffness of a small sphere: `midair.gorkov` of the solution's scene and drive.
-    ///
-    /// Parameters
-    /// ----------
-    /// points, bead
-    ///     As for `midair.gorkov`.
-    ///
-    /// Returns
-    /// -------
-    /// midair.Gorkov
-    ///     Results at each point.
-    ///
-    /// Raises
-    /// ------
-    /// SceneError
-    ///     As for `midair.gorkov`, and if the solution has no scene.
-    #[pyo3(signature = (points=None, *, bead=None))]
-    fn gorkov<'py>(
-        slf: &Bound<'py, Self>,
-        points: Option<Bound<'py, PyAny>>,
-        bead: Argument<'_, 'py>,
-    ) -> PyResult<Gorkov> {
-        gorkov(slf.py(), slf, None, points, bead)
-    }
-
-    /// Find where small spheres come to rest in the solution's field: `midair.rest` of its scene and drive.
-    ///
-    /// Parameters
-    /// ----------
-    /// points, bead
-    ///     As for `midair.rest`.
-    ///
-    /// Returns
-    /// -------
-    /// midair.Rest
-    ///     Results for each sphere.
-    ///
-    /// Raises
-    /// ------
-    /// SceneError
-    ///     As for `midair.rest`, and if the solution has no scene.
-    #[pyo3(signature = (points=None, *, bead=None))]
-    fn rest<'py>(slf: &Bound<'py, Self>, points: Option<Bound<'py, PyAny>>, bead: Argument<'_, 'py>) -> PyResult<Rest> {
-        rest(slf.py(), slf, None, points, bead)
-    }
 }

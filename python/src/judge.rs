@@ -1,6 +1,5 @@
 //! `midair.judge`: metrics of a drive. `midair.bound`: an upper bound of the level that any drive can reach.
 
-use std::sync::Arc;
 
 use midair::{Complex32, Control, OptionValue, Precision, SolveRequest, Threads, Value};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArray, PyUntypedArrayMethods};
@@ -8,7 +7,6 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
-use crate::batch::write_over;
 use crate::ctrl_c::attend;
 use crate::error::{invalid, refused};
 use crate::limits;
@@ -17,7 +15,7 @@ use crate::numbers::{quoted, refuse_hidden};
 use crate::propagation::Propagation;
 use crate::read;
 use crate::scene::Scene;
-use crate::setting::Setting;
+use crate::setting::{Setting, points_of};
 use crate::solution::{Solution, played};
 use crate::subject::{Beside, Subject};
 
@@ -191,24 +189,20 @@ fn judge_many(
     let count = drives.count;
     // Without `points`, all drives are evaluated at the scene's own points and request.
     let own = scene.cast::<Scene>().ok().filter(|_| points.is_none()).map(|scene| &*scene.get().inner);
-    let (points, size) = match (session.given_points(), points, own) {
-        (Some(_), Some(_), _) => {
-            return Err(invalid("points", "given", "a matrix has its own points: leave them out"));
-        }
-        (Some(size), None, _) => (Vec::new(), size),
-        (None, None, Some(own)) => (Vec::new(), own.points().len()),
-        (None, None, None) => {
-            return Err(invalid("points", "left out", "give them, of shape (B, M, 3), in metres"));
-        }
-        (None, Some(points), _) => match read::batch_of_points("points", points)? {
-            (points, [rows, size]) if rows == count => (points, size),
-            (_, [rows, _]) => {
-                return Err(invalid(
-                    "points",
-                    &format!("for {rows} drives"),
-                    &format!("give {count}, one row a drive"),
-                ));
-            }
+    let (points, size) = match (own, points_of(&session, points, "(B, M, 3)")) {
+        (Some(own), _) => (Vec::new(), own.points().len()),
+        (None, given) => match given? {
+            None => (Vec::new(), session.given_points().unwrap_or_default()),
+            Some(points) => match read::batch_of_points("points", points)? {
+                (points, [rows, size]) if rows == count => (points, size),
+                (_, [rows, _]) => {
+                    return Err(invalid(
+                        "points",
+                        &format!("for {rows} drives"),
+                        &format!("give {count}, one row a drive"),
+                    ));
+                }
+            },
         },
     };
     let given = pressures.map(|value| read::batch_of_pressures(value, [count, size])).transpose()?.unwrap_or_default();
@@ -225,7 +219,7 @@ fn judge_many(
         let range = k * size..(k + 1) * size;
         let lists = requested.map(|(given, own)| given.as_ref().map(|list| &list[range.clone()]).or(own));
         let own = own.map_or(&[][..], midair::Scene::points);
-        write_over(ask, points.get(range.clone()).unwrap_or(own), lists);
+        ask.write(points.get(range.clone()).unwrap_or(own), lists);
         Ok(())
     };
     let drives = drives.slice()?;
@@ -269,39 +263,9 @@ fn answered(solution: &Bound<'_, Solution>, beside: Beside<'_, '_>) -> PyResult<
     if let Some(scene) = solution.get().scene()? {
         return Subject::read(Bound::new(py, scene)?.as_any(), beside);
     }
-    let (propagation, setup, request) = solution.get().inner.requested();
+    let (matrix, request) = solution.get().matrix();
     if [beside.pressures, beside.weights, beside.mask].iter().all(Option::is_none) {
-        return Ok(Subject::Given(propagation.clone(), Arc::new(setup.clone()), request));
+        return Ok(Subject::Given(matrix, request));
     }
-    Subject::read(Bound::new(py, Propagation { inner: propagation.clone() })?.as_any(), beside)
-}
-
-#[pymethods]
-impl Solution {
-    /// Compute the solution's metrics: `midair.judge` of its scene and of its drive times its scale.
-    ///
-    /// Parameters
-    /// ----------
-    /// pressures, weights, mask, precision
-    ///     As for `midair.judge`.
-    ///
-    /// Returns
-    /// -------
-    /// midair.Metrics
-    ///     The metrics.
-    ///
-    /// Raises
-    /// ------
-    /// SceneError
-    ///     For wrong pressures, weights, mask or precision.
-    #[pyo3(signature = (*, pressures=None, weights=None, mask=None, precision=None))]
-    fn judge<'py>(
-        slf: &Bound<'py, Self>,
-        pressures: Argument<'_, 'py>,
-        weights: Argument<'_, 'py>,
-        mask: Argument<'_, 'py>,
-        precision: Argument<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        judge(slf.py(), slf, None, None, pressures, weights, mask, precision, None, None)
-    }
+    Subject::read(Bound::new(py, Propagation { inner: matrix.propagation })?.as_any(), beside)
 }

@@ -11,6 +11,7 @@ mod ctrl_c;
 mod draw;
 mod energy;
 mod error;
+mod evaluate;
 mod field;
 mod files;
 mod flight;

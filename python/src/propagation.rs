@@ -1,12 +1,17 @@
 //! `midair.Propagation`.
 
 use std::hash::{Hash, Hasher};
+use std::sync::Arc;
 
+use midair::{Control, Problem, Request, Setup};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::error::refused;
 use crate::give;
+use crate::instruction_set::instruction_set;
 use crate::pickle::Reduced;
+use crate::quantization::{read_quantization, shown};
 use crate::read;
 
 /// Propagation matrix G of your own: measured, or computed with obstacles.
@@ -69,5 +74,44 @@ impl Propagation {
     fn __repr__(&self) -> String {
         let (m, n) = self.shape();
         format!("<midair.Propagation of {n} transducers at {m} points>")
+    }
+}
+
+/// A matrix with the setup that keywords give: a board's quantization, and places of the transducers.
+#[derive(Clone, PartialEq)]
+pub(crate) struct Matrix {
+    pub(crate) propagation: midair::Propagation,
+    pub(crate) setup: Arc<Setup>,
+}
+
+impl Matrix {
+    /// Reads the keywords. A mask switches transducers of the matrix off.
+    pub(crate) fn read(
+        propagation: &midair::Propagation,
+        [quantization, mask, positions]: [Option<&Bound<'_, PyAny>>; 3],
+    ) -> PyResult<Self> {
+        let quantization = quantization.map(read_quantization).transpose()?.filter(|board| !board.is_continuous());
+        let positions = positions.map(|value| read::vectors("positions", value)).transpose()?.map(Into::into);
+        let propagation = propagation.clone().with_instruction_set(instruction_set()?);
+        let propagation = match mask {
+            None => propagation,
+            Some(mask) => propagation.with_mask(&read::flags("mask", mask)?).map_err(refused)?,
+        };
+        let setup = Setup { quantization: quantization.map(Arc::new), positions, ..Setup::default() };
+        Ok(Self { propagation, setup: setup.into() })
+    }
+
+    /// Makes the problem of a request.
+    pub(crate) fn problem(&self, request: &Request, control: &mut Control) -> Result<Problem, midair::Error> {
+        Problem::watched(self.propagation.clone(), Arc::clone(&self.setup), request, control)
+    }
+
+    /// Writes the keywords, and returns the matrix as Python has it.
+    pub(crate) fn write<'py>(&self, keywords: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyAny>> {
+        let (py, Setup { quantization, positions, .. }) = (keywords.py(), &*self.setup);
+        let board = quantization.as_deref().map(|board| shown(py, board)).transpose()?;
+        keywords.set_item("quantization", board)?;
+        keywords.set_item("positions", positions.as_deref().map(|at| give::rows(py, at)).transpose()?)?;
+        Ok(Bound::new(py, Propagation { inner: self.propagation.clone() })?.into_any())
     }
 }

@@ -1,7 +1,5 @@
 //! Common part of `midair.Solver` and `solve_batch`: makes a session from transducers, a solver and keywords.
 
-use std::sync::Arc;
-
 use midair::solvers::Configured;
 use midair::{Choice, Control, Extras, Model, Problem, Request, Session, Setup};
 use pyo3::exceptions::PyTypeError;
@@ -12,15 +10,12 @@ use crate::array::Array;
 use crate::bead;
 use crate::chosen::{Chosen, Naming};
 use crate::error::{invalid, refused, warn_all};
-use crate::give::rows;
 use crate::keywords::Keywords;
 use crate::obstacle::shown_obstacles;
-use crate::propagation::Propagation;
-use crate::quantization::shown;
+use crate::propagation::{Matrix, Propagation};
 use crate::read;
 use crate::scene::Scene;
 use crate::signature::shown_signature;
-use crate::subject::{Beside, given};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -41,7 +36,7 @@ const NOT_OF_A_MATRIX: [(&str, &str); 3] = [
 /// Where a session gets G from: a model, or a given matrix.
 pub(crate) enum Source {
     Model(Model),
-    Given(midair::Propagation, Arc<Setup>),
+    Given(Matrix),
 }
 
 impl PartialEq for Source {
@@ -52,7 +47,7 @@ impl PartialEq for Source {
                 let same = same && own.bead() == other.bead();
                 same && own.signature() == other.signature() && own.obstacles() == other.obstacles()
             }
-            (Self::Given(own, setup), Self::Given(other, its)) => own == other && setup == its,
+            (Self::Given(own), Self::Given(other)) => own == other,
             _ => false,
         }
     }
@@ -68,9 +63,7 @@ impl Source {
     ) -> Result<Problem, midair::Error> {
         match self {
             Self::Model(model) => Problem::of_model(model, points, request, control),
-            Self::Given(propagation, setup) => {
-                Problem::watched(propagation.clone(), Arc::clone(setup), request, control)
-            }
+            Self::Given(matrix) => matrix.problem(request, control),
         }
     }
 
@@ -92,16 +85,19 @@ impl Source {
                 keywords.set_item("obstacles", shown_obstacles(py, model.obstacles())?)?;
                 Bound::new(py, Array::from(model.array().clone()))?.into_any()
             }
-            Self::Given(propagation, setup) => {
-                keywords.set_item(
-                    "quantization",
-                    setup.quantization.as_deref().map(|board| shown(py, board)).transpose()?,
-                )?;
-                keywords.set_item("positions", setup.positions.as_deref().map(|at| rows(py, at)).transpose()?)?;
-                Bound::new(py, Propagation { inner: propagation.clone() })?.into_any()
-            }
+            Self::Given(matrix) => matrix.write(&keywords)?,
         };
         Ok((first, keywords))
+    }
+}
+
+/// Returns the points of a call; None for a matrix, which has its own.
+pub(crate) fn points_of<T>(session: &Session, points: Option<T>, shape: &str) -> PyResult<Option<T>> {
+    match (session.given_points(), points) {
+        (None, Some(points)) => Ok(Some(points)),
+        (Some(_), None) => Ok(None),
+        (Some(_), Some(_)) => Err(invalid("points", "given", "a matrix has its own points: leave them out")),
+        (None, None) => Err(invalid("points", "left out", &format!("give them, of shape {shape}, in metres"))),
     }
 }
 
@@ -124,14 +120,13 @@ impl Setting {
                 }
             }
             let (quantization, mask) = (keywords.take("quantization")?, keywords.take("mask")?);
-            let (quantization, mask, positions) = (quantization.as_ref(), mask.as_ref(), positions.as_ref());
-            let beside = Beside { quantization, mask, positions, ..Beside::default() };
-            let (propagation, setup) = given(&matrix.get().inner, beside)?;
-            let board = setup.quantization.as_deref();
+            let given = [quantization.as_ref(), mask.as_ref(), positions.as_ref()];
+            let matrix = Matrix::read(&matrix.get().inner, given)?;
+            let board = matrix.setup.quantization.as_deref();
             let (chosen, Configured { solver, .. }) = Chosen::read(None, board, naming, Some(keywords.rest()))?;
-            let source = Source::Given(propagation.clone(), Arc::new(setup.clone()));
-            let session = Session::with_propagation(propagation, setup, solver, chosen.balances());
-            return Ok(Self { session: session.map_err(refused)?, chosen, source });
+            let Matrix { propagation, setup } = matrix.clone();
+            let session = Session::with_propagation(propagation, Setup::clone(&setup), solver, chosen.balances());
+            return Ok(Self { session: session.map_err(refused)?, chosen, source: Source::Given(matrix) });
         }
         if positions.is_some() {
             return Err(invalid("positions", "given", "an array has its own: they go with Propagation"));

@@ -3,7 +3,7 @@
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-use midair::{Complex32, Status};
+use midair::{Complex32, Request, Status};
 use numpy::PyArray1;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -12,11 +12,10 @@ use pyo3::types::PyDict;
 use crate::ctrl_c::attend;
 use crate::error::{invalid, refused};
 use crate::getters::getters;
-use crate::give::{self, rows};
+use crate::give;
 use crate::metrics::Metrics;
 use crate::pickle::{Reduced, part, part_or_none, restored};
-use crate::propagation::Propagation;
-use crate::quantization::shown;
+use crate::propagation::Matrix;
 use crate::read;
 use crate::scene::Scene;
 use crate::subject::{Beside, Subject};
@@ -68,6 +67,12 @@ impl Hash for Solution {
 }
 
 impl Solution {
+    /// Returns G with its setup, and the request.
+    pub(crate) fn matrix(&self) -> (Matrix, Request) {
+        let (propagation, setup, request) = self.inner.requested();
+        (Matrix { propagation: propagation.clone(), setup: Arc::new(setup.clone()) }, request)
+    }
+
     fn request(&self) -> Option<Arc<midair::Scene>> {
         self.scene.as_ref().map(|scene| Arc::clone(&scene.inner)).or_else(|| self.inner.scene().map(Arc::new))
     }
@@ -108,7 +113,7 @@ impl Solution {
             positions: positions.as_ref(),
         };
         let mut subject = Subject::read(&subject, beside)?;
-        if let (Subject::Given(.., request), Some(phases)) = (&mut subject, phases) {
+        if let (Subject::Given(_, request), Some(phases)) = (&mut subject, phases) {
             request.phases = Some(phases);
         }
         let status = Status::named(&part("status")?.extract::<String>()?).map_err(refused)?;
@@ -131,14 +136,11 @@ impl Solution {
         if let Some(scene) = self.scene()? {
             record.set_item("scene", scene)?;
         } else {
-            let (propagation, setup, request) = self.inner.requested();
-            record.set_item("scene", Propagation { inner: propagation.clone() })?;
+            let (matrix, request) = self.matrix();
+            record.set_item("scene", matrix.write(&record)?)?;
             record.set_item("requested", request.pressures)?;
             record.set_item("phases", request.phases)?;
             record.set_item("weights", request.weights)?;
-            record
-                .set_item("quantization", setup.quantization.as_deref().map(|board| shown(py, board)).transpose()?)?;
-            record.set_item("positions", setup.positions.as_deref().map(|at| rows(py, at)).transpose()?)?;
         }
         record.set_item("solver", self.solver())?;
         record.set_item("options", self.options(py)?)?;

@@ -3,8 +3,9 @@
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Instant;
 
+use midair::solvers::Last;
 use midair::{Complex32, Frames, Request, Session, SolveRequest};
-use numpy::{Ix1, Ix2, PyArray1, PyArray2, PyUntypedArrayMethods};
+use numpy::{Ix1, Ix2, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -19,7 +20,7 @@ use crate::numbers::in_place;
 use crate::out;
 use crate::pickle::{Reduced, called};
 use crate::read;
-use crate::setting::{Setting, Source};
+use crate::setting::{Setting, Source, points_of};
 use crate::solution::{Solution, begin};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -92,6 +93,9 @@ impl Solver {
         })
     }
 }
+
+/// State of `glide` as Python objects.
+type Remembered<'py> = (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f32>>, f32, Bound<'py, PyArray2<f64>>);
 
 /// Copies points into a reused list; a C-contiguous float64 array is copied only once.
 fn copy_points(value: &Bound<'_, PyAny>, kept: &mut Vec<[f64; 3]>) -> PyResult<()> {
@@ -201,17 +205,11 @@ impl Solver {
         let mut state = slf.get().state()?;
         let State { session, ask, elapsed } = &mut *state;
         chosen.check_start(start.is_some())?;
-        let count = match (session.given_points(), points) {
-            (Some(count), None) => count,
-            (None, Some(points)) => {
+        let count = match points_of(session, points, "(M, 3)")? {
+            None => session.given_points().unwrap_or_default(),
+            Some(points) => {
                 copy_points(points, &mut ask.points)?;
                 ask.points.len()
-            }
-            (Some(_), Some(_)) => {
-                return Err(invalid("points", "given", "a matrix has its own points: leave them out"));
-            }
-            (None, None) => {
-                return Err(invalid("points", "left out", "give them, of shape (M, 3), in metres"));
             }
         };
         if let Some(most) = most.filter(|&most| count > most) {
@@ -299,6 +297,64 @@ impl Solver {
     /// Delete the last frame, so that the next frame is solved like the first one.
     fn reset(&self) -> PyResult<()> {
         self.state()?.session.last().clear();
+        Ok(())
+    }
+
+    /// Return the state of `glide` after its last frame, for `restore`; None before the first.
+    ///
+    /// Returns
+    /// -------
+    /// tuple of (drives, weights, unevenness, motion), or None
+    ///     complex64 (3, N) drives at full amplitude as found and as played, and the envelopes; float32 (M,) weights;
+    ///     the unevenness of the points; of traps (K, 3) places in m, velocities and accelerations.
+    fn last<'py>(&self, py: Python<'py>) -> PyResult<Option<Remembered<'py>>> {
+        let mut state = self.state()?;
+        let last = state.session.last();
+        if last.is_empty() {
+            return Ok(None);
+        }
+        let (drives, weights, unevenness) = last.parts();
+        let table = give::table(py, drives.concat(), [3, drives[0].len()])?;
+        Ok(Some((table, give::list(py, weights.to_vec()), unevenness, give::rows(py, last.motion())?)))
+    }
+
+    /// Restore the state from `last`.
+    ///
+    /// Parameters
+    /// ----------
+    /// drives, weights, unevenness, motion
+    ///     (3, N), (M,), a number and (K, 3), as `last` returns them.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For arrays of another shape than in `last`.
+    /// TypeError
+    ///     For other types.
+    fn restore(
+        &self,
+        drives: PyReadonlyArray2<'_, Complex32>,
+        weights: PyReadonlyArray1<'_, f32>,
+        unevenness: f32,
+        motion: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<()> {
+        let mut state = self.state()?;
+        let (shape, transducers) = (drives.shape(), state.session.transducers());
+        if shape != [3, transducers] {
+            return Err(invalid(
+                "drives",
+                &format!("of shape {shape:?}"),
+                &format!("give (3, {transducers}), of last()"),
+            ));
+        }
+        if motion.shape()[1] != 3 {
+            let shape = format!("of shape {:?}", motion.shape());
+            return Err(invalid("motion", &shape, "give (K, 3), of last()"));
+        }
+        let rows = drives.as_array();
+        let parts = [0, 1, 2].map(|k| rows.row(k).to_vec());
+        let motion = motion.as_array().rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect();
+        *state.session.last() = Last::restore(parts, weights.as_array().to_vec(), unevenness, motion);
         Ok(())
     }
 

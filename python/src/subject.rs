@@ -1,16 +1,12 @@
 //! First argument of `midair.solve`, `judge` and `bound`: a scene, or a matrix with keywords.
 
-use std::sync::Arc;
-
-use midair::{Control, Problem, Quantization, Request, Setup, Workspace};
+use midair::{Control, Problem, Quantization, Request, Workspace};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
-use crate::error::{invalid, refused};
-use crate::instruction_set::instruction_set;
+use crate::error::invalid;
 use crate::parts;
-use crate::propagation::Propagation;
-use crate::quantization::read_quantization;
+use crate::propagation::{Matrix, Propagation};
 use crate::read;
 use crate::ready::Ready;
 use crate::scene::Scene;
@@ -58,24 +54,7 @@ impl Beside<'_, '_> {
 /// A scene or a matrix.
 pub(crate) enum Subject {
     Scene(Scene),
-    Given(midair::Propagation, Arc<Setup>, midair::Request),
-}
-
-/// Returns a matrix with the mask of the keywords applied, and a setup with their quantization and positions.
-pub(crate) fn given(
-    propagation: &midair::Propagation,
-    Beside { quantization, mask, positions, .. }: Beside<'_, '_>,
-) -> PyResult<(midair::Propagation, Setup)> {
-    let quantization = quantization.map(read_quantization).transpose()?.filter(|board| !board.is_continuous());
-    let positions = positions.map(|value| read::vectors("positions", value)).transpose()?;
-    let propagation = propagation.clone().with_instruction_set(instruction_set()?);
-    let propagation = match mask {
-        None => propagation,
-        Some(mask) => propagation.with_mask(&read::flags("mask", mask)?).map_err(refused)?,
-    };
-    let setup =
-        Setup { quantization: quantization.map(Arc::new), positions: positions.map(Into::into), ..Setup::default() };
-    Ok((propagation, setup))
+    Given(Matrix, Request),
 }
 
 impl Subject {
@@ -86,8 +65,8 @@ impl Subject {
         if let Ok(matrix) = object.cast::<Propagation>() {
             let matrix = &matrix.get().inner;
             let request = read::request(matrix.points(), beside.pressures, beside.weights)?;
-            let (propagation, setup) = given(matrix, beside)?;
-            return Ok(Self::Given(propagation, Arc::new(setup), request));
+            let Beside { quantization, mask, positions, .. } = beside;
+            return Ok(Self::Given(Matrix::read(matrix, [quantization, mask, positions])?, request));
         }
         let kind = object.get_type().qualname()?;
         Err(PyTypeError::new_err(format!(
@@ -98,9 +77,7 @@ impl Subject {
     pub(crate) fn problem(&self, rows_follow: bool, control: &mut Control) -> Result<Problem, midair::Error> {
         match self {
             Self::Scene(scene) => scene.problem(rows_follow, control),
-            Self::Given(propagation, setup, request) => {
-                Problem::watched(propagation.clone(), Arc::clone(setup), request, control)
-            }
+            Self::Given(matrix, request) => matrix.problem(request, control),
         }
     }
 
@@ -116,7 +93,7 @@ impl Subject {
     pub(crate) fn quantization(&self) -> Option<&Quantization> {
         match self {
             Self::Scene(scene) => scene.inner.array().quantization(),
-            Self::Given(_, setup, _) => setup.quantization.as_deref(),
+            Self::Given(matrix, _) => matrix.setup.quantization.as_deref(),
         }
     }
 

@@ -44,6 +44,24 @@ impl SolveRequest {
             aim: scene.solver.as_ref().and_then(|choice| choice.aim),
         }
     }
+
+    /// Writes other points (M, 3) in m, pressures, phases and weights (M,) over those of this request, and reuses its memory.
+    pub fn write(&mut self, points: &[[f64; 3]], [pressures, phases, weights]: [Option<&[f64]>; 3]) {
+        self.points.clear();
+        self.points.extend_from_slice(points);
+        let request = &mut self.request;
+        let own = [&mut request.pressures, &mut request.phases, &mut request.weights];
+        for (list, with) in own.into_iter().zip([pressures, phases, weights]) {
+            match with {
+                None => *list = None,
+                Some(with) => {
+                    let list = list.get_or_insert_default();
+                    list.clear();
+                    list.extend_from_slice(with);
+                }
+            }
+        }
+    }
 }
 
 /// Where the matrix G of a session comes from.
