@@ -2,9 +2,8 @@
 
 use midair::solvers::{DEFAULT, configure, find};
 use midair::{
-    Aim, Array, Bead, Board, Choice, Complex64, Directivity, Error, ErrorCode, InstructionSet, Medium, Model, Obstacle,
-    OptionValue, Options, PartKind, PartValue, Particle, Quantization, Scene, Session, Signature, Transducer, Value,
-    word,
+    Aim, Array, Bead, Board, Choice, Complex64, Directivity, Error, ErrorCode, Extras, InstructionSet, Medium, Model,
+    OptionValue, Options, PartKind, PartValue, Quantization, Scene, Session, Transducer, Value, word,
 };
 
 use crate::instruction_set::instruction_set;
@@ -26,9 +25,7 @@ pub(crate) struct Setting {
     before: Option<Medium>,
     given: Vec<(&'static str, f64)>,
     medium: Medium,
-    signature: Option<Signature>,
-    bead: Bead,
-    obstacles: Vec<Obstacle>,
+    extras: Extras,
     choice: Choice,
 }
 
@@ -37,8 +34,7 @@ impl Setting {
     pub(crate) fn new(array: Array, method: &str) -> Result<Self, Error> {
         let choice = Choice::new(find(method)?.info.name.into(), Options::new())?;
         let (medium, given) = (array.medium(&[])?, Vec::new());
-        let (bead, obstacles) = (Bead::default(), Vec::new());
-        Ok(Self { array, before: None, given, medium, signature: None, bead, obstacles, choice })
+        Ok(Self { array, before: None, given, medium, extras: Extras::default(), choice })
     }
 
     /// Returns the settings of a scene: its array, medium, obstacles and method.
@@ -49,9 +45,7 @@ impl Setting {
             before: Some(scene.medium()),
             given: Vec::new(),
             medium: scene.medium(),
-            signature: scene.signature().cloned(),
-            bead: scene.bead(),
-            obstacles: scene.obstacles().to_vec(),
+            extras: scene.extras(),
             choice: scene.solver.clone().map_or_else(default, Ok)?,
         })
     }
@@ -60,9 +54,9 @@ impl Setting {
     pub(crate) fn open(&self) -> Result<(Model, Session), Error> {
         let set: InstructionSet = instruction_set()?;
         let configured = configure(&self.choice, self.array.quantization()).map_err(with_own_names)?;
-        let model = Model::new(&self.array, self.medium, set)?.with_signature(self.signature.clone());
-        let model = model.with_bead(self.bead);
-        let model = if self.obstacles.is_empty() { model } else { model.with_obstacles(&self.obstacles)? };
+        let Extras { signature, bead, obstacles, solver: _, plane: _ } = self.extras.clone();
+        let model = Model::new(&self.array, self.medium, set)?.with_signature(signature).with_bead(bead);
+        let model = if obstacles.is_empty() { model } else { model.with_obstacles(&obstacles)? };
         let balance = self.choice.balance.unwrap_or(configured.info.balance);
         Ok((model.clone(), Session::new(model, configured.solver, balance)))
     }
@@ -116,17 +110,14 @@ impl Setting {
 
     /// Sets a key of the bead.
     fn weigh(&mut self, key: &str, given: Given<'_>) -> Result<(), Error> {
-        let (item, Bead { particle, mut gravity }) = (format!("bead.{key}"), self.bead);
-        let Particle { radius, density, sound_speed } = particle;
-        let mut numbers = vec![("radius", radius), ("density", density), ("sound_speed", sound_speed)];
-        if key == "gravity" {
+        let (item, bead) = (format!("bead.{key}"), self.extras.bead);
+        self.extras.bead = if key == "gravity" {
             let list = given.numbers(&item)?;
             let wrong = |_| Error::invalid(&*item, format!("{} numbers", list.len()), "give x, y and z in m/s^2");
-            gravity = list.try_into().map_err(wrong)?;
+            bead.with(&[], Some(list.try_into().map_err(wrong)?))?
         } else {
-            numbers.push((key, given.number(&item)?));
-        }
-        self.bead = Bead::of(&numbers, Some(gravity))?;
+            bead.with(&[(key, given.number(&item)?)], None)?
+        };
         Ok(())
     }
 

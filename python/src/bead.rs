@@ -167,5 +167,5 @@ fn of<'py>(given: impl Iterator<Item = (String, Bound<'py, PyAny>)>) -> PyResult
             None => gravity = Some(read::place(&item, &value)?),
         }
     }
-    Core::of(&numbers, gravity).map_err(refused)
+    Core::default().with(&numbers, gravity).map_err(refused)
 }

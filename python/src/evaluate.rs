@@ -74,11 +74,7 @@ impl Solution {
     /// SceneError
     ///     As for `midair.rest`, and if the solution has no scene.
     #[pyo3(signature = (points=None, *, bead=None))]
-    fn rest<'py>(
-        slf: &Bound<'py, Self>,
-        points: Option<Bound<'py, PyAny>>,
-        bead: Argument<'_, 'py>,
-    ) -> PyResult<Rest> {
+    fn rest<'py>(slf: &Bound<'py, Self>, points: Option<Bound<'py, PyAny>>, bead: Argument<'_, 'py>) -> PyResult<Rest> {
         rest(slf.py(), slf, None, points, bead)
     }
 

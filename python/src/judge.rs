@@ -1,6 +1,5 @@
 //! `midair.judge`: metrics of a drive. `midair.bound`: an upper bound of the level that any drive can reach.
 
-
 use midair::{Complex32, Control, OptionValue, Precision, SolveRequest, Threads, Value};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;

@@ -170,7 +170,7 @@ fn signature(item: &Item<'_>) -> Result<Signature, Fault> {
 
 fn bead(item: &Item<'_>) -> Result<Bead, Fault> {
     let table = item.table()?;
-    Ok(Bead::of(&table.reals(Particle::KEYS)?, table.read("gravity", Item::numbers)?)?)
+    Ok(Bead::default().with(&table.reals(Particle::KEYS)?, table.read("gravity", Item::numbers)?)?)
 }
 
 fn array(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {

@@ -57,20 +57,19 @@ impl Bead {
         ),
     ];
 
-    /// Returns the default bead with some of its numbers replaced, by name, and with another gravity if one is given.
+    /// Returns a copy of this bead with some of its numbers replaced, by name, and with another gravity if one is given.
     ///
     /// # Errors
     /// A number that is not above 0, a gravity that is not finite.
-    pub fn of(given: &[(&str, f64)], gravity: Option<[f64; 3]>) -> Result<Self, Error> {
-        let mut bead = Self::default();
+    pub fn with(mut self, given: &[(&str, f64)], gravity: Option<[f64; 3]>) -> Result<Self, Error> {
         for &(name, value) in given {
-            if !bead.particle.set(name, value) {
+            if !self.particle.set(name, value) {
                 return Err(Error::unknown("key of bead", name, Self::KEYS.iter().map(|key| key.name)));
             }
         }
-        bead.gravity = gravity.unwrap_or(bead.gravity);
-        bead.check()?;
-        Ok(bead)
+        self.gravity = gravity.unwrap_or(self.gravity);
+        self.check()?;
+        Ok(self)
     }
 
     pub(crate) fn check(&self) -> Result<(), Error> {
