@@ -12,6 +12,7 @@ pub mod batch;
 pub mod board;
 mod instruction_set;
 pub mod memory;
+pub mod motion;
 mod option;
 pub mod outcome;
 pub mod session;

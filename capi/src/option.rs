@@ -1,6 +1,6 @@
 //! Options of a session by name: medium, bead, transducers, mask, quantization, and those of the method.
 
-use midair::solvers::{DEFAULT, configure, find};
+use midair::solvers::{DEFAULT, find};
 use midair::{
     Aim, Array, Bead, Board, Choice, Complex64, Directivity, Error, ErrorCode, Extras, InstructionSet, Medium, Model,
     OptionValue, Options, PartKind, PartValue, Quantization, Scene, Session, Transducer, Value, word,
@@ -53,12 +53,11 @@ impl Setting {
     /// Makes the model and the session.
     pub(crate) fn open(&self) -> Result<(Model, Session), Error> {
         let set: InstructionSet = instruction_set()?;
-        let configured = configure(&self.choice, self.array.quantization()).map_err(with_own_names)?;
         let Extras { signature, bead, obstacles, solver: _, plane: _ } = self.extras.clone();
         let model = Model::new(&self.array, self.medium, set)?.with_signature(signature).with_bead(bead);
         let model = if obstacles.is_empty() { model } else { model.with_obstacles(&obstacles)? };
-        let balance = self.choice.balance.unwrap_or(configured.info.balance);
-        Ok((model.clone(), Session::new(model, configured.solver, balance)))
+        let session = Session::chosen(model.clone(), Some(&self.choice)).map_err(with_own_names)?;
+        Ok((model, session))
     }
 
     /// Returns the boards of this kind for the array.

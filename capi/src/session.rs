@@ -4,11 +4,12 @@ use std::ffi::c_char;
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-use midair::files::{Format, Source, read_from};
-use midair::{Control, Error, Model, Precision, Problem, Request, SolveRequest};
+use midair::files::{Format, Source, open};
+use midair::{Control, Error, Model, Moving, Precision, Problem, Request, SolveRequest};
 
 use crate::answer::{Answer, Metrics};
 use crate::array::Array;
+use crate::instruction_set::instruction_set;
 use crate::memory::{Complex, Lists, drive as read_drive, give, handle, list, room, text, vectors, write};
 use crate::option::{Given, Setting};
 use crate::outcome::{Message, Outcome, outcome};
@@ -27,6 +28,8 @@ pub(crate) struct State {
     pub(crate) ask: SolveRequest,
     /// The request of the scene from which the session was made.
     own: Option<SolveRequest>,
+    /// The frames of the motion from which it was made.
+    pub(crate) moving: Option<Moving>,
 }
 
 impl State {
@@ -37,14 +40,15 @@ impl State {
         let news: Vec<&str> = doubts.iter().filter(|doubt| !reported.contains(doubt)).map(String::as_str).collect();
         let news = news.join("\n");
         let ask = SolveRequest { aim: setting.aim(), ..SolveRequest::default() };
-        Ok((Self { setting, doubts, model, session, ask, own: None }, news))
+        Ok((Self { setting, doubts, model, session, ask, own: None, moving: None }, news))
     }
 
     /// Makes a session from the text of a scene. Also returns warnings about probable mistakes.
     pub(crate) fn of_scene(text: &str, source: Source<'_>) -> Result<(Self, String), Error> {
-        let scene = read_from(text.as_bytes(), Format::of_text(text.as_bytes()), source)?;
+        let (scene, moving) = open(text.as_bytes(), Format::of_text(text.as_bytes()), source, instruction_set()?)?;
         let (state, said) = Self::open(Setting::of_scene(&scene)?, &[])?;
-        Ok((Self { own: Some(SolveRequest::of_scene(&scene)), ..state }, said))
+        let own = moving.is_none().then(|| SolveRequest::of_scene(&scene));
+        Ok((Self { own, moving, ..state }, said))
     }
 
     /// Solves the request of the scene from which the session was made.
@@ -52,6 +56,12 @@ impl State {
         if let Some(own) = &self.own {
             let Request { pressures, phases, weights } = &own.request;
             self.ask.write(&own.points, [pressures, phases, weights].map(Option::as_deref));
+        } else if self.moving.is_some() {
+            return Err(Error::invalid(
+                "points",
+                "left out",
+                "the scene has [motion]: solve its frames by midair_session_follow()",
+            ));
         }
         self.session.solve(&self.ask, &mut Control::none())
     }
@@ -97,7 +107,7 @@ impl Session {
         let mut setting = state.setting.clone();
         setting.set(name, given)?;
         let (next, news) = State::open(setting, &state.doubts)?;
-        *state = State { own: state.own.take(), ..next };
+        *state = State { own: state.own.take(), moving: state.moving.take(), ..next };
         Ok(news)
     }
 }
@@ -131,7 +141,7 @@ pub unsafe extern "C" fn midair_session_new(
 /// Makes a session from the text of a scene file, TOML or JSON: its array, medium, obstacles, signature, solver and points.
 /// folder is the folder of the files that the scene names; if folder is NULL, such files are errors. Shapes of text or
 /// drawings, images and files of meshes need the Python package, and are errors. midair_session_solve() with 0 points solves
-/// the scene's own request.
+/// the scene's own request. Of a scene with [motion], midair_session_follow() solves the frames.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_open(
     scene: *const c_char,
@@ -245,7 +255,7 @@ pub unsafe extern "C" fn midair_session_solve(
         }
         // SAFETY: the caller guarantees the lists.
         let lists = unsafe { Lists::read(points, pressures, weights, count) }?;
-        let solution = if state.own.is_some() && lists.points.is_empty() {
+        let solution = if lists.points.is_empty() && (state.own.is_some() || state.moving.is_some()) {
             state.solve_own()?
         } else {
             let State { session, ask, .. } = &mut *state;

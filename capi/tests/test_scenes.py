@@ -95,7 +95,7 @@ def test_files_are_looked_up_in_the_folder(library: Library, tmp_path: Path) -> 
             '[array]\npositions = { file = "a.csv" }\n' + POINTS,
             "this document has no folder to find files in",
         ),
-        ('[array]\npreset = "autd3"\n[motion]\nrate = 1\n', "its points move"),
+        ('[array]\npreset = "autd3"\n[motion]\nrate = 1\n', "motion.path is left out"),
         (
             '[array]\npreset = "autd3"\n[[shape]]\nkind = "text"\nstring = "hi"\nheight = 0.03\nz = 0.15\n',
             "midair's Python package draws it",

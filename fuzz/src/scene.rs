@@ -2,7 +2,7 @@
 
 use crate::one_line;
 use midair::files::{Drawing, Format, Provenance, Source, read, read_motion, write};
-use midair::{Request, Scene};
+use midair::Scene;
 
 /// Larger arrays are read but not written: a few bytes can describe a grid of millions of transducers.
 const MOST: usize = 4096;
@@ -19,8 +19,8 @@ pub fn check(bytes: &[u8]) {
             survives(&scene);
         }
         if bytes.windows(MOTION.len()).any(|word| word == MOTION) {
-            let mut start = |_: &str, _: &str| Ok(Drawing::Points(vec![[0.0, 0.0, 0.15]], Request::default()));
-            one_line(read_motion(bytes, format, Source::default(), &mut start));
+            let mut draw = |_: &str, _: &str| Ok(Drawing::Outline(vec![[0.0, 0.0, 0.15], [0.1, 0.0, 0.15]], true));
+            one_line(read_motion(bytes, format, Source::default(), &mut draw));
         }
     }
 }

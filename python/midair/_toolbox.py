@@ -87,6 +87,7 @@ TYPES = {
 CALLED = {
     "points": ("_points.drawn", "points"),
     "mesh": ("_points.drawn", "mesh"),
+    "outline": ("_points.drawn", "outline"),
     "mesh_file": ("_points.drawn", "read"),
     "write": ("_support.output", "write"),
     "warn": ("_support.arguments", "warn"),

@@ -1,9 +1,10 @@
-//! Tables of a scene file that Python reads for the core: `[shape]` and `[image]` as points, an obstacle's file as a mesh.
+//! Tables of a scene file that Python reads for the core: `[shape]` and `[image]` as points, an obstacle's file as a mesh, a
+//! drawing as the outline of a path.
 
 use std::path::Path;
 
 use midair::Request;
-use midair::files::{self, Drawing, Format, Motion, Source};
+use midair::files::{self, Drawing, Format, Source};
 use pyo3::prelude::*;
 
 use crate::error::{SceneError, error_of, refused};
@@ -19,21 +20,14 @@ pub(crate) fn scene(py: Python<'_>, bytes: &[u8], format: Format, source: Source
     drawn(py, draw, |draw| files::read_drawn(bytes, format, source, draw))
 }
 
-/// Reads scene and settings of a document with moving points; `start` returns the points of the first frame.
+/// Reads a document with moving points.
 pub(crate) fn motion(
+    py: Python<'_>,
     bytes: &[u8],
     format: Format,
     source: Source<'_>,
-    start: &Bound<'_, PyAny>,
-) -> PyResult<Option<Motion>> {
-    let py = start.py();
-    let draw = |name: &str, text: &str| {
-        if !name.starts_with("motion") {
-            return drawing(py, name, text, source.folder);
-        }
-        let points = read::vectors("points", &start.call1((name, text))?)?;
-        Ok(Drawing::Points(points, Request::default()))
-    };
+) -> PyResult<Option<files::Motion>> {
+    let draw = |name: &str, text: &str| drawing(py, name, text, source.folder);
     drawn(py, draw, |draw| files::read_motion(bytes, format, source, draw))
 }
 
@@ -57,14 +51,19 @@ fn drawn<T>(
     other.map_or_else(|| found.map_err(refused), Err)
 }
 
-/// Returns the points of a table, or the mesh of an obstacle's file.
+/// Returns the points of a table, the mesh of an obstacle's file, or the outline of a path.
 fn drawing(py: Python<'_>, name: &str, text: &str, folder: Option<&Path>) -> PyResult<Drawing> {
-    if name != "obstacles" {
+    if !matches!(name, "obstacles" | "motion.path") {
         return points(py, name, text, folder).map(|(points, request)| Drawing::Points(points, request));
     }
-    let read = toolbox::call(py, "mesh", (text, folder))?;
-    let (vertices, faces): (Bound<'_, PyAny>, Bound<'_, PyAny>) = read.extract()?;
-    Ok(Drawing::Mesh(read::vectors("vertices", &vertices)?, indices(&faces)?))
+    let function = if name == "obstacles" { "mesh" } else { "outline" };
+    let (vertices, rest): (Bound<'_, PyAny>, Bound<'_, PyAny>) =
+        toolbox::call(py, function, (text, folder))?.extract()?;
+    let vertices = read::vectors("vertices", &vertices)?;
+    Ok(match function {
+        "mesh" => Drawing::Mesh(vertices, indices(&rest)?),
+        _ => Drawing::Outline(vertices, rest.extract()?),
+    })
 }
 
 /// Returns the points of a table, and their targets and weights.

@@ -27,11 +27,14 @@ mod limits;
 mod mesh;
 mod metrics;
 mod motion;
+mod moving;
 mod names;
+mod node;
 mod numbers;
 mod obstacle;
 mod out;
 mod parts;
+mod path;
 mod pickle;
 mod plane;
 mod points;
@@ -96,7 +99,9 @@ mod _midair {
     #[pymodule_export]
     use super::metrics::{BatchMetrics, Metrics};
     #[pymodule_export]
-    use super::motion::read_motion;
+    use super::motion::Motion;
+    #[pymodule_export]
+    use super::moving::{bound_of, look, meant, sight};
     #[pymodule_export]
     use super::names::{nearest, preset_name, solver_name};
     #[pymodule_export]
@@ -104,9 +109,11 @@ mod _midair {
     #[pymodule_export]
     use super::parts::array_parts;
     #[pymodule_export]
+    use super::path::Path;
+    #[pymodule_export]
     use super::plane::Plane;
     #[pymodule_export]
-    use super::points::{Curve, along};
+    use super::points::{along, shape_points};
     #[pymodule_export]
     use super::propagation::Propagation;
     #[pymodule_export]
@@ -151,6 +158,10 @@ mod _midair {
     /// Largest number of points of a shape.
     #[pymodule_export]
     const MOST_POINTS: usize = midair::points::MOST;
+
+    /// Largest coordinate of a point in m.
+    #[pymodule_export]
+    const FARTHEST: f64 = midair::points::FARTHEST;
 
     /// The first array makes the numpy crate import NumPy, which panics if Ctrl-C comes at that moment. Making one array
     /// during the import of midair avoids this, because an import may be interrupted.

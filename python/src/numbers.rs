@@ -14,7 +14,7 @@ use crate::error::{coded, invalid};
 use crate::give;
 
 /// Largest number of dimensions of an argument: (B, M, 3).
-const DEEPEST: usize = 3;
+pub(crate) const DEEPEST: usize = 3;
 
 /// Kinds of numbers, as NumPy's letters.
 pub(crate) const REAL: &str = "iuf";

@@ -278,7 +278,7 @@ pub(crate) fn choice(name: String, options: &Bound<'_, PyDict>) -> PyResult<Choi
     Choice::new(name, self::options(Some(options))?).map_err(refused)
 }
 
-fn option(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
+pub(crate) fn option(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if let Ok(flag) = value.cast::<PyBool>() {
         return Ok(Value::Bool(flag.is_true()));
     }

@@ -285,7 +285,7 @@ impl Solver {
         let transducers = session.transducers();
         let mut drives = vec![Complex32::ZERO; frames * transducers];
         ask.request = Request::default();
-        let path = Frames { points: &points, targets, count, margin };
+        let path = Frames { points: &points, targets, count, margin, first: 0 };
         attend(py, None, |mut control| session.follow(path, ask, &mut drives, &mut control))?;
         ask.start = None;
         let remarks = session.remarks();

@@ -10,9 +10,9 @@ use crate::types::{Types, entries};
 
 const HEAD: &str = r#""""The compiled core. Made by python/stubs at each build."""
 
+import pathlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
-from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias, Unpack, final, overload
 
 import numpy as np

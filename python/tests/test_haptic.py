@@ -200,7 +200,7 @@ def test_a_solution_is_modulated_by_a_shape_or_by_samples() -> None:
     assert amplitudes == pytest.approx(np.repeat([1, 0.5, 0, 0.5], 2))
     with pytest.raises(midair.SceneError, match=r"frequency is 33\.33: no whole periods at 4000 frames/s"):
         solution.modulated(33.33)
-    with pytest.raises(midair.SceneError, match="rate is 300: the modulation needs 400 frames"):
+    with pytest.raises(midair.SceneError, match=r"rate is 300\.0: the modulation needs 400 frames"):
         solution.modulated(200, rate=300)
 
 

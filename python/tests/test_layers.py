@@ -251,7 +251,9 @@ def test_names_that_are_loaded_later_are_those_that_type_checkers_see() -> None:
 
 def test_the_extension_imports_no_module_of_the_package() -> None:
     sources = Path(__file__).parents[1].joinpath("src").glob("*.rs")
-    assert [file.name for file in sources if re.search(r'"midair\.(?!_midair")[a-z_]', code_of(file))] == []
+    # The module that a class says it is in is not imported.
+    other = r'(?<!module = )"midair\.(?!_midair")[a-z_]'
+    assert [file.name for file in sources if re.search(other, code_of(file))] == []
 
 
 def code_of(file: Path) -> str:

@@ -172,10 +172,10 @@ def test_threads_leave_no_trace(threads: str) -> None:
     [
         ({"ahead": -1}, "ahead is -1: give a whole number of at least 0"),
         ({"ahead": 2.0}, "ahead is 2.0: give a whole number"),
-        ({"ahead": True}, "ahead is True: give a whole number"),
+        ({"ahead": True}, "ahead is true: give a whole number"),
         ({"ahead": "some"}, 'ahead is "some": give a whole number of frames, or "all"'),
-        ({"ahead": 3, "closed": True}, 'closed is True, but ahead is 3: give ahead="all"'),
-        ({"ahead": 0, "closed": True}, 'closed is True, but ahead is 0: give ahead="all"'),
+        ({"ahead": 3, "closed": True}, 'closed is true, but ahead is 3: give ahead = "all"'),
+        ({"ahead": 0, "closed": True}, 'closed is true, but ahead is 0: give ahead = "all"'),
         ({"ahead": 3, "tau": 1e-4}, "tau is 0.0001: with ahead the tracks take no account of it"),
         ({"ahead": "all", "tau": 1e-4}, "tau is 0.0001: with ahead the tracks take no account of it"),
         ({"ahead": 3, "solver": "greedy"}, 'solver is "greedy": with ahead'),

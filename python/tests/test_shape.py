@@ -192,7 +192,7 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "a step of 0": (lambda: shape.line([0, 0, 0], [1, 0, 0], step=0), "step is 0.0: give a number above 0"),
     "a step that is none": (
         lambda: shape.circle([0, 0, 0], 1, step=float("nan")),
-        "step is nan: give a finite",
+        "step is NaN: give a finite",
     ),
     "a word for a step": (lambda: shape.line([0, 0, 0], [1, 0, 0], step="a"), 'step is "a": give a number'),
     "too many points": (lambda: shape.circle([0, 0, 0], 1, step=1e-6), "step is 1e-6: 6.283 m of contours"),
@@ -203,15 +203,21 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "no line": (lambda: shape.line([0, 0, 1], [0, 0, 1]), "end is [0.0, 0.0, 1.0]: it is where the start is"),
     "two numbers": (
         lambda: shape.line([0, 0], [0, 0, 1]),
-        "start is of shape (2,): give three finite numbers",
+        "start is [0, 0]: give 3 numbers",
     ),
-    "no numbers": (lambda: shape.line([0, 0, None], [0, 0, 1]), "start is [0, 0, None]: give three finite"),
-    "an infinite one": (lambda: shape.line([0, 0, np.inf], [0, 0, 1]), "start[2] is inf: give finite"),
+    "no numbers": (
+        lambda: shape.line([0, 0, None], [0, 0, 1]),
+        "start is a list of 3 values: give 3 numbers",
+    ),
+    "an infinite one": (
+        lambda: shape.line([0, 0, np.inf], [0, 0, 1]),
+        "start is [0.0, 0.0, inf]: give three finite",
+    ),
     "a ragged list": (
         lambda: shape.polyline([[0, 0, 1], [0, 1]]),
-        "points is [[0, 0, 1], [0, 1]]: give at least 2 points",
+        "points[1] is [0, 1]: give 3 numbers",
     ),
-    "one corner": (lambda: shape.polyline([[0, 0, 1]]), "points is of shape (1, 3): give at least 2 points"),
+    "one corner": (lambda: shape.polyline([[0, 0, 1]]), "points is [[0.0, 0.0, 1.0]]: give at least two"),
     "corners in one place": (lambda: shape.polyline([[0, 0, 1]] * 3), "they are all in one place"),
     "a word for closed": (
         lambda: shape.polyline([[0, 0, 1], [0, 1, 1]], closed="no"),  # type: ignore[arg-type]

@@ -18,16 +18,16 @@ use crate::scene::Request;
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::exhaustive_enums, reason = "what the tables of a scene file stand for")]
 pub enum Drawing {
-    /// The points (M, 3) in m and the targets of a table `shape` or `image`; or the points of the first frame of a
-    /// `motion`.
+    /// The points (M, 3) in m and the targets of a table `shape` or `image`.
     Points(Vec<[f64; 3]>, Request),
     /// The mesh of a table of `obstacles`: vertices (V, 3) in m and faces (F, 3).
     Mesh(Vec<[f64; 3]>, Vec<[u32; 3]>),
+    /// The corners (K, 3) in m of the outline that a point of a `motion.path` follows, and whether it is closed.
+    Outline(Vec<[f64; 3]>, bool),
 }
 
 /// A function that draws a table. Its first argument is the table's name: `shape` (of texts and drawings), `image`,
-/// `obstacles` or `motion.path`. Its second argument contains the table's keys as TOML. For a motion from a file, the
-/// arguments are `motion.file` and the name of the file.
+/// `obstacles` or `motion.path` (of drawings). Its second argument contains the table's keys as TOML.
 ///
 /// If the item of an error is a key of the table, the place of that key in the document is added.
 pub type Draw<'a> = dyn FnMut(&str, &str) -> Result<Drawing, Error> + 'a;
@@ -66,15 +66,19 @@ pub(super) fn drawn(root: &Table<'_>, draw: &mut Draw<'_>) -> Result<Vec<Drawn>,
     Ok(found)
 }
 
+/// Returns a table, or each of a list of tables.
+pub(super) fn tables_of(item: Item<'_>) -> Result<Vec<Item<'_>>, Fault> {
+    match item.node {
+        Node::Table(_) => Ok(vec![item]),
+        _ => item.each(|one| Ok(Item { path: one.path.clone(), node: one.node }), "give a table, or several"),
+    }
+}
+
 /// Draws a table, or each of a list of tables.
-pub(super) fn each(name: &str, item: Item<'_>, draw: &mut Draw<'_>) -> Result<Vec<Drawn>, Fault> {
-    let items = match item.node {
-        Node::Table(_) => vec![item],
-        _ => item.each(|one| Ok(Item { path: one.path.clone(), node: one.node }), "give a table, or several")?,
-    };
-    let drawn = items.into_iter().map(|item| match one(name, &item, draw)? {
+fn each(name: &str, item: Item<'_>, draw: &mut Draw<'_>) -> Result<Vec<Drawn>, Fault> {
+    let drawn = tables_of(item)?.into_iter().map(|item| match one(name, &item, draw)? {
         Drawing::Points(points, request) => Ok(Drawn { path: item.path, points, request }),
-        Drawing::Mesh(..) => Err(item.refused("it is drawn as a mesh: points are wanted")),
+        _ => Err(item.refused("it is drawn as a mesh or an outline: points are wanted")),
     });
     drawn.collect()
 }
@@ -86,11 +90,12 @@ type Surface = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 pub(super) fn mesh(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Surface, Fault> {
     match one("obstacles", item, draw)? {
         Drawing::Mesh(vertices, faces) => Ok((vertices, faces)),
-        Drawing::Points(..) => Err(item.refused("it is drawn as points: a mesh is wanted")),
+        _ => Err(item.refused("it is drawn as points or an outline: a mesh is wanted")),
     }
 }
 
-fn one(name: &str, item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Drawing, Fault> {
+/// Draws a table.
+pub(super) fn one(name: &str, item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Drawing, Fault> {
     item.table()?;
     if name == "shape"
         && let Some((points, request)) = shape(item)?

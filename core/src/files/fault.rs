@@ -41,6 +41,15 @@ impl Fault {
         Self { error, at: At::Key(table.into(), key.into()) }
     }
 
+    /// Returns the error about a key of a table that stands in no document: without the table's path.
+    pub(super) fn bare(self, table: &str) -> Error {
+        let key = self.error.item.strip_prefix(table).and_then(|key| key.strip_prefix('.')).map(String::from);
+        match key {
+            Some(key) => self.error.about(key),
+            None => self.error,
+        }
+    }
+
     /// Returns the complete error: `bowl.toml, line 12, column 12: points[1].pressure is "loud": give a number; for example
     /// pressure = 500.0`.
     pub(super) fn reported(self, text: &str, format: Format, source: Source<'_>) -> Error {

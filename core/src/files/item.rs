@@ -5,7 +5,7 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use crate::error::Error;
+use crate::error::{Error, ErrorCode};
 use crate::files::fault::Fault;
 use crate::files::node::Node;
 use crate::files::schema;
@@ -38,13 +38,16 @@ impl<'a> Item<'a> {
     /// Converts an error of the drawing function, such as `radius is -0.03: give a number above 0`, to an error about that key
     /// of this table.
     pub(super) fn reported(&self, error: Error) -> Fault {
-        // A key such as `am.frequency` is one of an inner table.
-        let known = schema::keys(&self.path).any(|known| error.item.split('.').next() == Some(known));
+        // A key such as `am.frequency` is one of an inner table, an item such as `samples[2]` one of a list.
+        let known = schema::keys(&self.path).any(|known| error.item.split(['.', '[']).next() == Some(known));
         if !known {
             return self.refused(&error.to_string());
         }
         let path = format!("{}.{}", self.path, error.item);
-        Fault::at(path.as_str(), error.about(path.as_str()))
+        match error.code {
+            ErrorCode::Unknown => Fault::at(path, error),
+            _ => Fault::at(path.as_str(), error.about(path.as_str())),
+        }
     }
 
     pub(super) fn real(&self) -> Result<f64, Fault> {

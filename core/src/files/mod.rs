@@ -4,11 +4,13 @@ mod csv;
 mod drawn;
 mod drive;
 mod fault;
+mod frames;
 mod item;
 mod json;
 mod kind;
 mod motion;
 mod node;
+mod path;
 mod place;
 mod positions;
 mod read;
@@ -27,8 +29,10 @@ pub use drawn::{Draw, Drawing};
 pub use drive::{read_drive, write_drive};
 pub use motion::Motion;
 pub use node::Node;
+pub use path::{read_modulated, read_path};
 pub use positions::{COLUMNS as POSITIONS, read_array};
 pub use schema::tables;
+pub use shape::read_shape;
 pub use source::{Format, MOST_BYTES, Source};
 pub use sweep::sweep_tables;
 pub use tables::Provenance;
@@ -39,7 +43,9 @@ use std::path::{Path, PathBuf};
 
 use crate::error::Error;
 use crate::files::source::BYTE_ORDER_MARK;
+use crate::kernels::InstructionSet;
 use crate::scene::Scene;
+use crate::session::Moving;
 
 /// Reads a scene from a file's bytes.
 ///
@@ -82,15 +88,15 @@ pub fn read_drawn(bytes: &[u8], format: Format, source: Source<'_>, draw: &mut D
     read::scene(&document, source, draw).map_err(|fault| fault.reported(text, format, source))
 }
 
-/// Reads a document of moving points. `draw` returns the points of the first frame for each `motion.path`, or for
-/// `motion.file`; the caller stores the path itself. Returns `None` for a document without `[motion]`.
+/// Reads a document of moving points. `draw` draws what [`read_drawn`] needs, and outlines for paths along drawings. Returns
+/// `None` for a document without `[motion]`.
 ///
 /// # Errors
-/// The errors of [`read_drawn`]; resting points beside `[motion]`, a motion without rate, path or file.
+/// The errors of [`read_drawn`]; resting points beside `[motion]`, a motion without rate, path or file; wrong paths and files
+/// of frames.
 ///
 /// ```
-/// use midair::Request;
-/// use midair::files::{Drawing, Format, Source, read_motion};
+/// use midair::files::{Format, Source, read_motion};
 ///
 /// let text = r#"
 /// [array]
@@ -105,9 +111,10 @@ pub fn read_drawn(bytes: &[u8], format: Format, source: Source<'_>, draw: &mut D
 /// radius = 0.02
 /// frequency = 5
 /// "#;
-/// let mut draw = |_: &str, _: &str| Ok(Drawing::Points(vec![[0.02, 0.0, 0.15]], Request::default()));
+/// let mut draw = |_: &str, _: &str| Err(midair::Error::missing("", "no drawing", ""));
 /// let motion = read_motion(text.as_bytes(), Format::Toml, Source::default(), &mut draw)?.expect("a motion");
-/// assert_eq!(motion.settings["rate"], midair::Value::Real(1e3));
+/// assert_eq!(motion.pace.rate, 1e3);
+/// assert_eq!(motion.path.frames(1e3)?.points.len(), 200);
 /// # Ok::<(), midair::Error>(())
 /// ```
 pub fn read_motion(
@@ -117,7 +124,33 @@ pub fn read_motion(
     draw: &mut Draw<'_>,
 ) -> Result<Option<Motion>, Error> {
     let (text, document) = parse(bytes, format, source)?;
-    motion::motion(&document, source, draw).map_err(|fault| fault.reported(text, format, source))
+    motion::motion((text, &document), format, source, draw).map_err(|fault| fault.reported(text, format, source))
+}
+
+/// Reads a document of points at rest or in motion. Returns the scene to be solved, and the frames of a motion, whose first is
+/// that of the scene.
+///
+/// # Errors
+/// The errors of [`read_from`], [`read_motion`] and [`Motion::moving`].
+pub fn open(
+    bytes: &[u8],
+    format: Format,
+    source: Source<'_>,
+    set: InstructionSet,
+) -> Result<(Scene, Option<Moving>), Error> {
+    let (text, document) = parse(bytes, format, source)?;
+    let draw = &mut drawn::undrawn;
+    let motion = motion::motion((text, &document), format, source, draw);
+    match motion.map_err(|fault| fault.reported(text, format, source))? {
+        None => {
+            let scene = read::scene(&document, source, draw).map_err(|fault| fault.reported(text, format, source))?;
+            Ok((scene, None))
+        }
+        Some(motion) => {
+            let moving = motion.moving(set)?;
+            Ok((moving.scene.clone(), Some(moving)))
+        }
+    }
 }
 
 /// Reads the document of a sweep as a tree of values, whose keys have been checked.

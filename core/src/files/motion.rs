@@ -1,32 +1,76 @@
-//! Scene files of moving points: the table `[motion]` instead of `[[points]]`, besides array, medium and solver.
+//! Scene files with moving points: the table `[motion]` instead of `[[points]]`, besides array, medium and solver.
 
 use alloc::format;
-use alloc::vec::Vec;
+use alloc::string::{String, ToString};
 
 use crate::error::Error;
-use crate::files::drawn::{self, Draw, Drawing};
+use crate::files::drawn::{self, Draw};
 use crate::files::fault::Fault;
 use crate::files::item::{Item, Table};
 use crate::files::node::Node;
-use crate::files::read;
-use crate::files::source::Source;
-use crate::scene::{Options, Request, Scene, Value};
+use crate::files::source::{Format, Source};
+use crate::files::{frames, path, place, read};
+use crate::kernels::InstructionSet;
+use crate::points::Path;
+use crate::scene::{Request, Scene};
+use crate::session::{Moving, Pace, sight};
 
 /// The contents of a document with `[motion]`.
 #[derive(Clone, Debug)]
-#[allow(clippy::exhaustive_structs, reason = "the two parts of a document")]
+#[non_exhaustive]
 pub struct Motion {
     /// The scene without the motion; its points are those of the first frame.
     pub scene: Scene,
-    /// The keys of `[motion]` except `path` and `file`, as `midair.sequence` takes them: `rate`, `change`, `ahead`, ...
-    pub settings: Options,
+    /// All paths of the document at the same time, or the path through the frames of its file.
+    pub path: Path,
+    /// The rate of frames and the bound of phases.
+    pub pace: Pace,
+    /// The number of later frames with which each frame is chosen together; `None` for all.
+    pub ahead: Option<usize>,
+    /// The document's text, its format and its name, for the places of errors.
+    document: (String, Format, String),
+}
+
+impl Motion {
+    /// Returns the frames, to be solved one after another.
+    ///
+    /// # Errors
+    /// Frames that are chosen together with later ones, which only the Python package can solve; the errors of
+    /// [`Moving::new`].
+    pub fn moving(&self, set: InstructionSet) -> Result<Moving, Error> {
+        if self.ahead != Some(0) {
+            let value = self.ahead.map_or_else(|| String::from("\"all\""), |frames| frames.to_string());
+            let cure = "midair's Python package solves frames together: leave it out here";
+            return Err(self.located(Error::conflict("ahead", value, cure)));
+        }
+        Moving::new(self.scene.clone(), &self.path, self.pace, set)
+    }
+
+    /// Returns an error about a key of `[motion]`, such as `rate`, with its place in the document; `None` for an error about
+    /// anything else.
+    #[must_use]
+    pub fn placed(&self, error: &Error) -> Option<Error> {
+        let (text, format, _) = &self.document;
+        place::whole(text, *format, &format!("motion.{}", error.item)).map(|_| self.located(error.clone()))
+    }
+
+    fn located(&self, error: Error) -> Error {
+        let (text, format, name) = &self.document;
+        let path = format!("motion.{}", error.item);
+        Fault::at(path.as_str(), error.about(path.as_str())).reported(text, *format, Source { name, folder: None })
+    }
 }
 
 /// The tables with points that do not move.
 const RESTING: [&str; 3] = ["points", "shape", "image"];
 
 /// Reads the motion of a document; `None` if it has no `[motion]`.
-pub(super) fn motion(document: &Node, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Option<Motion>, Fault> {
+pub(super) fn motion(
+    (text, document): (&str, &Node),
+    format: Format,
+    source: Source<'_>,
+    draw: &mut Draw<'_>,
+) -> Result<Option<Motion>, Fault> {
     if document.get("motion").is_none() {
         return Ok(None);
     }
@@ -34,34 +78,48 @@ pub(super) fn motion(document: &Node, source: Source<'_>, draw: &mut Draw<'_>) -
     if let Some(item) = RESTING.iter().find_map(|name| root.get(name)) {
         return Err(item.refused("points that move stand in [motion]: leave it out"));
     }
-    let table = root.need("motion")?.table()?;
-    let points = points(&table, draw)?;
-    table.need("rate")?;
-    let mut settings = Options::new();
-    for (key, node) in table.entries.iter().filter(|(_, node)| *node != Node::Null) {
-        let item = Item { path: format!("motion.{key}"), node };
-        let value = match key.as_str() {
-            "path" | "file" => continue,
-            "closed" | "ahead" => read::value(&item)?,
-            _ => Value::Real(item.real()?),
-        };
-        settings.insert(key.clone(), value);
-    }
+    let item = root.need("motion")?;
+    let table = item.table()?;
+    let (about, real) = (|error| item.reported(error), |key: &str| table.read(key, Item::real));
+    let pace = Pace {
+        rate: table.need("rate")?.real()?,
+        change: real("change")?,
+        change_rate: real("change_rate")?,
+        tau: real("tau")?,
+        closed: table.read("closed", Item::flag)?,
+    };
+    pace.bound().map_err(about)?;
+    let ahead = table.read("ahead", read::value)?;
+    let ahead = sight(ahead.as_ref(), pace.closed == Some(true)).map_err(about)?;
+    let path = together(&item, &table, pace, source, draw)?;
+    pace.fits(&path).map_err(about)?;
+    let points = path.moments(0.0).map(|moment| moment.place).collect();
     let scene = read::at(&root, points, Request::default(), source, draw)?;
-    Ok(Some(Motion { scene, settings }))
+    Ok(Some(Motion { scene, path, pace, ahead, document: (text.into(), format, source.name.into()) }))
 }
 
-/// The points of the first frame, from the file or from all paths.
-fn points(table: &Table<'_>, draw: &mut Draw<'_>) -> Result<Vec<[f64; 3]>, Fault> {
+/// Returns the path through the frames of a file, or all paths at the same time.
+fn together(
+    item: &Item<'_>,
+    table: &Table<'_>,
+    pace: Pace,
+    source: Source<'_>,
+    draw: &mut Draw<'_>,
+) -> Result<Path, Fault> {
     match (table.get("file"), table.get("path")) {
-        (Some(file), None) => match draw("motion.file", file.text()?) {
-            Ok(Drawing::Points(points, _)) => Ok(points),
-            Ok(Drawing::Mesh(..)) => Err(file.refused("it is drawn as a mesh: points are wanted")),
-            Err(error) => Err(file.reported(error)),
-        },
-        (None, Some(path)) => {
-            let drawn = drawn::each("motion.path", path, draw)?;
-            Ok(drawn.into_iter().flat_map(|path| path.points).collect())
+        (Some(file), None) => {
+            let name = file.text()?;
+            let (points, count) = frames::read(name, source).map_err(|error| Fault::at(file.path.as_str(), error))?;
+            Path::through(points, count, pace.rate, pace.closed == Some(true), None).map_err(|error| item.reported(error))
+        }
+        (None, Some(paths)) => {
+            let mut all: Option<Path> = None;
+            for item in drawn::tables_of(paths)? {
+                let next = path::path(&item, draw)?;
+                let joined = all.map_or(Ok(next.clone()), |before| before.beside(&next));
+                all = Some(joined.map_err(|error| item.reported(error))?);
+            }
+            all.ok_or_else(|| item.refused("give [[motion.path]] tables, each with a kind"))
         }
         (Some(file), Some(_)) => Err(file.refused("[[motion.path]] is given, too: give one of them")),
         (None, None) => {

@@ -56,7 +56,8 @@ impl Node {
     }
 
     /// Returns a list, in the compact form if it contains only numbers and not all are whole.
-    pub(super) fn list(items: Vec<Self>) -> Self {
+    #[must_use]
+    pub fn list(items: Vec<Self>) -> Self {
         let short = items.iter().any(|item| matches!(item, Self::Real(_)));
         let numbers = short.then(|| items.iter().map(Self::real).collect()).flatten();
         numbers.map_or(Self::List(items), Self::Numbers)

@@ -278,6 +278,12 @@ const TABLES: &[Table] = &[
             Key::new("frequency", "200.0", "Frequency of the modulation in Hz."),
             Key::new("shape", r#""sqrt""#, "Shape of the modulation: sqrt, cosine or square; default sqrt."),
             Key::new("depth", "1.0", "Depth of the modulation, 0 to 1; default 1."),
+            Key::new(
+                "samples",
+                "[1.0, 0.5, 0.0, 0.5]",
+                "Samples of a modulation, 0 to 1, instead of frequency and shape.",
+            ),
+            Key::new("samples_rate", "800.0", "Samples per second; they repeat."),
         ],
     ),
     (

@@ -3,9 +3,11 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
+use crate::error::Error;
 use crate::files::fault::Fault;
 use crate::files::item::Item;
 use crate::files::kind::{self, Kind};
+use crate::files::node::Node;
 use crate::points::{Curve, STEP};
 use crate::scene::Request;
 
@@ -19,6 +21,26 @@ const KINDS: [Kind; 5] = [
 
 /// The points of a shape and their targets.
 type Made = (Vec<[f64; 3]>, Request);
+
+/// Returns the points that a table of a line, circle or polyline describes, without a document around it.
+///
+/// # Errors
+/// Another kind, an unknown key, a wrong value. Errors name the keys alone.
+///
+/// ```
+/// use midair::files::{Node, read_shape};
+///
+/// let place = |z: f64| Node::Numbers(vec![0.0, 0.0, z]);
+/// let line = [("kind", Node::Text("line".into())), ("start", place(0.1)), ("end", place(0.2)), ("step", Node::Real(0.01))];
+/// let table = Node::Table(line.map(|(key, value)| (key.into(), value)).into());
+/// assert_eq!(read_shape(&table)?.len(), 11);
+/// # Ok::<(), midair::Error>(())
+/// ```
+pub fn read_shape(table: &Node) -> Result<Vec<[f64; 3]>, Error> {
+    let item = Item { path: "shape".into(), node: table };
+    let made = shape(&item).map_err(|fault| fault.bare("shape"))?;
+    made.map(|(points, _)| points).ok_or_else(|| Error::invalid("kind", "text or svg", "give line, circle or polyline"))
+}
 
 /// Returns the points of a shape; `None` for texts and drawings.
 pub(super) fn shape(item: &Item<'_>) -> Result<Option<Made>, Fault> {

@@ -1,6 +1,10 @@
 //! Source of a document: its format, its name in error messages, and the folder of the files that it names.
 
 use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use crate::error::{Error, one_line};
@@ -60,6 +64,33 @@ impl Default for Source<'_> {
 }
 
 impl Source<'_> {
+    /// Returns the bytes of a file that the key `item` of the document names, at most `most`, and the name of the file in
+    /// errors. `kinds` are the files that it may be.
+    pub(super) fn beside(self, item: &str, name: &str, kinds: &str, most: usize) -> Result<(Vec<u8>, String), Error> {
+        let quoted = format!("\"{name}\"");
+        let refused = |value: &str, cure: &str| Error::invalid(item, value, cure);
+        let Some(folder) = self.folder else {
+            return Err(refused(&quoted, "this document has no folder to find files in: list the places themselves"));
+        };
+        let path = folder.join(name);
+        let trouble = |error: &std::io::Error| {
+            let reason = error.to_string();
+            let reason = reason.split(" (os error").next().unwrap_or_default();
+            let cure = format!("it cannot be read ({reason}): give {kinds}, relative to the scene file's folder");
+            refused(&format!("\"{}\"", path.display()), &cure)
+        };
+        if !std::fs::metadata(&path).map_err(|error| trouble(&error))?.is_file() {
+            return Err(refused(&quoted, &format!("it is no file: give {kinds}")));
+        }
+        let mut bytes = Vec::new();
+        let limit = most as u64 + 1;
+        File::open(&path).and_then(|file| file.take(limit).read_to_end(&mut bytes)).map_err(|error| trouble(&error))?;
+        if bytes.len() > most {
+            return Err(refused(&quoted, &format!("it is larger than {} MB: give a smaller one", most >> 20)));
+        }
+        Ok((bytes, path.display().to_string()))
+    }
+
     /// Returns an error in the document, with its line and column if `at` gives the text and an offset.
     pub(super) fn fault(self, at: Option<(&str, usize)>, error: Error) -> Error {
         let place = one_line(self.name);

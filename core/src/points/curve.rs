@@ -1,12 +1,19 @@
 //! Curves by arc length: a circle or straight lines, as evenly spaced points and as the place at a distance.
 
+use alloc::format;
 use alloc::vec::Vec;
-use core::f64::consts::PI;
+use core::f64::consts::{PI, TAU};
 
 use crate::error::{Error, real};
 use crate::math;
 use crate::points::contour::{Lines, even, few, spaced};
 use crate::vec3::Vec3;
+
+/// Straight pieces per period of a sine: a Lissajous figure of 0.1 m has an error of 1e-9 m.
+const PIECES: usize = 16384;
+
+/// The largest number of periods of a Lissajous figure; more are probably a mistake.
+const MOST_LOBES: f64 = 100.0;
 
 /// A curve in space, open or closed.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,6 +96,41 @@ impl Curve {
             return Err(Error::invalid("end", format_args!("{end:?}"), cure));
         }
         Self::lines("end", &[start, end], there_and_back)
+    }
+
+    /// Creates the figure x = width / 2 sin(a u + phase), y = height / 2 sin(b u) around a center, for a period of u, as
+    /// short straight lines; `size` is width and height in m, `ratio` is a and b.
+    ///
+    /// # Errors
+    /// A size of 0 or below along both axes, numbers a and b that are not whole or not from 1 to 100, a number that is not
+    /// finite.
+    ///
+    /// ```
+    /// let eight = midair::points::Curve::lissajous([0.0, 0.0, 0.15], [0.04, 0.02], [1.0, 2.0], 0.0)?;
+    /// assert!(eight.closed() && eight.length() > 0.08);
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    pub fn lissajous(center: [f64; 3], size: [f64; 2], ratio: [f64; 2], phase: f64) -> Result<Self, Error> {
+        place("center", center)?;
+        real("phase", phase, f64::MIN, false)?;
+        if !size.iter().all(|&side| (0.0..f64::INFINITY).contains(&side)) || size == [0.0; 2] {
+            return Err(Error::invalid("size", format_args!("{size:?}"), "give (width, height) in m, not both 0"));
+        }
+        if !ratio.iter().all(|&lobes| lobes.fract() == 0.0 && (1.0..=MOST_LOBES).contains(&lobes)) {
+            let cure = format!("give two whole numbers from 1 to {MOST_LOBES}");
+            return Err(Error::invalid("ratio", format_args!("{ratio:?}"), cure));
+        }
+        // In lowest terms, one period runs through the figure once.
+        let lobes = ratio.map(|lobes| lobes as usize);
+        let common = (1..=lobes[0]).rev().find(|n| lobes.iter().all(|lobes| lobes.is_multiple_of(*n))).unwrap_or(1);
+        let [a, b] = lobes.map(|lobes| (lobes / common) as f64);
+        let pieces = PIECES * lobes[0].max(lobes[1]) / common;
+        let corners = (0..pieces).map(|k| {
+            let u = TAU * k as f64 / pieces as f64;
+            let (x, y) = (size[0] / 2.0 * math::sin(a * u + phase), size[1] / 2.0 * math::sin(b * u));
+            [center[0] + x, center[1] + y, center[2]]
+        });
+        Self::lines("figure", &corners.collect::<Vec<_>>(), true)
     }
 
     /// Returns evenly spaced points in m from the start, `step` m apart or as near to that as equal steps can be.

@@ -44,7 +44,7 @@ pub(crate) use obstacle::{Obstacles, element_size};
 pub use origin::Origin;
 pub use part::{Part, PartKind, PartValue};
 pub use plane::{Axis, Plane};
-pub(crate) use plausibility::{Vicinity, beside, contrary, distant, short};
+pub(crate) use plausibility::{Vicinity, beside, contrary, distant, figures, short};
 pub use request::Request;
 pub use signature::Signature;
 pub use start::Start;

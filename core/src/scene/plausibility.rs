@@ -53,7 +53,12 @@ fn doubt(item: impl Into<String>, value: impl Into<String>, cure: impl Into<Stri
 
 /// A number with four significant digits, in its shortest form.
 pub(crate) fn short(x: f64) -> String {
-    let x: f64 = format!("{x:.3e}").parse().unwrap_or(x);
+    figures(x, 4)
+}
+
+/// A number with this many significant digits, in its shortest form.
+pub(crate) fn figures(x: f64, digits: usize) -> String {
+    let x: f64 = format!("{x:.0$e}", digits - 1).parse().unwrap_or(x);
     if x == 0.0 || (1e-4..1e7).contains(&x.abs()) { format!("{x}") } else { format!("{x:e}") }
 }
 

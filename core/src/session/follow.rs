@@ -23,13 +23,15 @@ pub struct Frames<'a> {
     /// How many additional frames of points there are before the first and after the last frame. Methods for traps then compute
     /// accelerations from frames at this distance on both sides. With 0 they estimate them from earlier frames.
     pub margin: usize,
+    /// The number of the first frame, for errors.
+    pub first: usize,
 }
 
 impl Session {
     /// Solves T frames one after another and writes their drives into `drives` (T, N). A solver with a memory continues from
     /// the last frame, also from one call to the next, until [`Session::last`] is cleared. Other solvers start from the
-    /// previous drive, if they use a start. `ask` contains the other parts of the request; its lists are overwritten. The drive of a frame
-    /// without points is 0.
+    /// previous drive, if they use a start. `ask` contains the other parts of the request; its lists are overwritten. The
+    /// drive of a frame without points is 0.
     ///
     /// # Errors
     /// Lists of lengths that do not fit, the errors of [`Session::solve`] with the index of the frame; a stop by the caller.
@@ -55,7 +57,7 @@ impl Session {
         drives: &mut [Complex32],
         control: &mut Control,
     ) -> Result<(), Error> {
-        let (transducers, Frames { points: all, targets, count, margin }) = (self.transducers(), frames);
+        let (transducers, Frames { points: all, targets, count, margin, .. }) = (self.transducers(), frames);
         let steps = drives.len() / transducers;
         let fits = |length: usize, frames: usize| length == frames * count;
         if count == 0
@@ -112,7 +114,7 @@ impl Session {
                 solution.status
             });
             self.last.around.0.clear();
-            let status = status.map_err(|error| error.of_one("frames", t))?;
+            let status = status.map_err(|error| error.of_one("frames", frames.first + t))?;
             if status == Status::Stopped {
                 return Err(Error::stopped());
             }

@@ -3,11 +3,13 @@
 pub(crate) mod batch;
 pub(crate) mod follow;
 pub(crate) mod judging;
+pub(crate) mod moving;
 pub(crate) mod parts;
 pub(crate) mod worker;
 
 pub use batch::Batch;
 pub use follow::Frames;
+pub use moving::{Moving, Pace, look, meant, sight};
 pub use worker::SolveRequest;
 
 use alloc::format;
@@ -23,12 +25,13 @@ use crate::error::{Error, Notice};
 use crate::kernels::LANES;
 use crate::problem::{Problem, Setup, Solution};
 use crate::propagation::{Model, Propagation};
-use crate::scene::{Vicinity, contrary};
+use crate::scene::{Choice, Options, Vicinity, contrary};
 use crate::session::batch::{Outcome, Tally};
 use crate::session::parts::{Part, parts};
 use crate::session::worker::{Requests, Task, Transducers, Worker};
 use crate::solvers::last::Last;
 use crate::solvers::method::Solve;
+use crate::solvers::registry::{DEFAULT, configure};
 use crate::solvers::remark::{KINDS, Remark, remarks};
 use crate::solvers::solve::solve_after;
 
@@ -79,6 +82,18 @@ impl Session {
         let solver = solver.into();
         let transducers = Transducers::Model(model.for_rows(solver.computes_rows()));
         Self::of(Task { transducers, setup, solver, balance }, vicinity)
+    }
+
+    /// Returns a session for an array and a chosen solver, by default [`DEFAULT`].
+    ///
+    /// # Errors
+    /// The errors of [`configure`].
+    pub fn chosen(model: Model, choice: Option<&Choice>) -> Result<Self, Error> {
+        let default = || Choice::new(DEFAULT.into(), Options::new());
+        let choice = choice.cloned().map_or_else(default, Ok)?;
+        let configured = configure(&choice, model.array().quantization())?;
+        let balance = choice.balance.unwrap_or(configured.info.balance);
+        Ok(Self::new(model, configured.solver, balance))
     }
 
     /// Returns a session for a user's own propagation matrix G, the setup of its array, and a solver. Its requests have no

@@ -22,6 +22,8 @@ mod layers;
 mod map;
 mod metrics;
 mod motion;
+#[cfg(feature = "scene-file")]
+mod motion_files;
 mod motions;
 mod optimum;
 #[allow(dead_code, unreachable_pub, reason = "an independent reference, also for tests to come")]

@@ -82,7 +82,7 @@ def motion_command(
 
 def _solved(requested: Document, name: str, file: Path | None) -> Sequence:
     # With ahead="all" all frames are found together, so the file is written at the end.
-    together = requested.settings.get("ahead") == "all"
+    together = requested.motion.settings.get("ahead") == "all"
     pieces = None if together or file is None else Output(file)
     with progress_bar(f"solving by {name}") as tell:
         found = requested.solve(solver=name, progress=tell, resume=pieces)

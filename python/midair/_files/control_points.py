@@ -15,12 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import numbers, stated
+from .._midair import FARTHEST, numbers, stated
 from .._sequence import Sequence
 from .._support.arguments import number
 from .._support.text import columns, fault, picked, rows, text
 from ..path import Path
-from ..path._piece import FARTHEST
 
 COLUMNS = ("t", "x", "y", "z", "intensity")
 FREQUENCY = "frequency"

@@ -16,6 +16,7 @@ from .._midair import SceneError, memory_limit, restated, stated
 from .._support.arguments import needs, number, path_of, refused, vector, word
 from ..shape import svg, text
 from ..shape._figures import Points
+from ..shape._vector_graphics import one_outline
 from .image import image
 
 #: Formats of 3D models that trimesh reads without further packages.
@@ -115,6 +116,14 @@ def mesh(keys: str, folder: Path | None) -> tuple[Points, Faces]:
     given = tomllib.loads(keys)
     given.pop("kind", None)
     found: tuple[Points, Faces] = called(read, "an obstacle's file", given, folder)
+    return found
+
+
+def outline(keys: str, folder: Path | None) -> tuple[Points, bool]:
+    """Return the vertices (K, 3) of a drawing's outline, and whether it is closed; `keys` is its TOML."""
+    given = tomllib.loads(keys)
+    own = {key: given[key] for key in ("file", "size", "z") if key in given}
+    found: tuple[Points, bool] = called(one_outline, "svg", own, folder)
     return found
 
 

@@ -20,6 +20,11 @@ def points(given: Any) -> NDArray[np.float64]:
     return numbers("points", given, [(-1, -1, 3)], "give (T, M, 3) in m, M places in each of T frames")
 
 
+def instants(given: Any) -> NDArray[np.float64]:
+    """Return times (T,) in s."""
+    return numbers("times", given, [(-1,), (0,)], "give a list of finite times in s")
+
+
 def targets(given: Any, shape: tuple[int, int]) -> NDArray[np.float64]:
     """Return targets (T, M) in Pa. A single number or (M,) values apply to all frames."""
     cure = f"give {shape} in Pa like the points, ({shape[1]},) or one number, 0 for not there"

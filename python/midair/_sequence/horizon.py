@@ -19,9 +19,9 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, Scene, SceneError, Solver, numbers, restated, stated, stiffen, tracks
+from .._midair import Array, Scene, SceneError, Solver, look, numbers, restated, stated, stiffen, tracks
 from .._support.arguments import refused
-from ..path._piece import changing_pressures
+from ..path._frames import changing_pressures
 from .drives import Drives, coded, lowered, narrow, sounding
 from .frames import AIR
 from .propagation import pressures
@@ -29,10 +29,6 @@ from .request import Request
 
 #: Number of phases that is used for a board that can play any phase.
 PHASES = 256
-
-#: Time in s, to each side, over which the acceleration of points is averaged. A bead oscillates much more
-#: slowly.
-LOOK = 0.5e-3
 
 #: Iterations of tracks, point phases and weights. After ten, the level grows by less than 0.1 % per
 #: iteration.
@@ -43,11 +39,6 @@ ROUNDS_CLOSED = 20
 
 #: Iterations if the initial guess is known from the last window.
 ROUNDS_MORE = 5
-
-
-def looks(rate: float) -> int:
-    """Return the number of frames on each side from which the acceleration of points is known."""
-    return max(round(LOOK * rate), 1)
 
 
 @dataclass(frozen=True)
@@ -138,7 +129,7 @@ class Tracks:
             phases=self.board["phases"],
             closed=closed,
             rate=rate,
-            margin=looks(rate),
+            margin=look(rate),
             progress=None if progress is None else lambda step, steps, _: progress(step, steps),
         )
 
@@ -351,7 +342,7 @@ class Followed:
         targets = None if self._stiff else requested.targets[frames]
         # Traps need the points before and after, for the acceleration. Outside an open sequence the points
         # stand still.
-        margin = looks(requested.rate) if self._stiff else 0
+        margin = look(requested.rate) if self._stiff else 0
         first, last, _ = frames.indices(len(requested.points))
         around = np.arange(first - margin, last + margin)
         mode: Literal["wrap", "clip"] = "wrap" if requested.closed else "clip"

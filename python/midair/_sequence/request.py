@@ -10,16 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene, solvers, stated
-from .._support.arguments import number, refused, warn, whole
+from .._midair import Array, Scene, bound_of, meant, solvers
+from .._support.arguments import number, refused, warn
 from ..path import Path, read
 from .frames import AIR
 
 if TYPE_CHECKING:
     from .judged import JudgedFrames
-
-#: Default bound in rad per frame. At 10 kHz it is a frequency shift of 312 Hz, which transducers can follow.
-CHANGE = pi / 16
 
 #: Largest number of frames that are examined for the speed limit.
 LOOKED = 200
@@ -77,14 +74,8 @@ def solver_name(given: Any) -> Any:
 
 def bound(rate: float, change: Any, change_rate: Any) -> float:
     """Return the bound in rad per frame, from `change` in rad per frame or `change_rate` in rad/s."""
-    if change is not None and change_rate is not None:
-        raise refused("change_rate", change_rate, "change is given, too: give one of them")
-    if change_rate is not None:
-        return number("change_rate", change_rate, least=0) / rate
-    if change is None:
-        return CHANGE
-    rad = number("change", change, least=0)
-    if rad > pi:
+    rad = bound_of(rate, change, change_rate)
+    if change is not None and rad > pi:
         cure = f"give {np.deg2rad(rad):.3g} if degrees are meant, pi for no bound"
         warn(f"change is {rad:g} rad, and above pi binds nothing: {cure}")
     return rad
@@ -114,14 +105,10 @@ def request(
     if not reported:
         # Targets of modulation and fades are relative to the array's reach in the first frame.
         requested = requested * scene.reach().level
-    if aim is None:
-        aim = "max" if targets is None else "target"
-    elif aim == "max" and _swells(requested):
+    aim, stiff = meant(scene, targets is None, aim)
+    if aim == "max" and targets is not None and _swells(requested):
         warn('aim is "max", but pressures change between frames: leave it out, it plays each frame in full')
     rad = bound(frames, *bounds)
-    names = [scene.signature] if isinstance(scene.signature, str) else scene.signature
-    traps = isinstance(names, list) and "trap" in names and all(name in ("trap", None) for name in names)
-    stiff = targets is None and aim == "max" and traps
     loops = bool(loops if closed is None else closed)
     return Request(array, scene, points, requested, frames, rad, loops, aim, air, options, stiff)
 
@@ -209,16 +196,3 @@ def warn_of_pull(sequence: JudgedFrames) -> None:
             )
             warn(f"{text} a bead of {1e3 * scene.bead.radius:.3g} mm radius: go slower, or by midair.path.fastest")
             return
-
-
-def sight(ahead: Any, closed: bool) -> int | None:
-    """Return the number of later frames that a solve knows, None for all. A closed curve needs all."""
-    if isinstance(ahead, str) and ahead == "all":
-        return None
-    if isinstance(ahead, str):
-        raise refused("ahead", ahead, 'give a whole number of frames, or "all"')
-    frames = whole("ahead", ahead, least=0)
-    if closed:
-        cure = 'give ahead="all", that the last frame meets the first'
-        raise stated("closed", f"is True, but ahead is {frames}", cure, code="conflict")
-    return frames

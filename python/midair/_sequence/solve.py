@@ -5,25 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 from os import PathLike
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Solution, Solver, solvers, stated
+from .._midair import Array, Solution, Solver, numbers, sight, solvers, stated
 from .._support.arguments import callback, number, refused, whole
-from ..path import Path
-from ..path._path import Shape, wave
-from ..path._piece import ROUNDING
+from ..path import Path, still
 from . import store
 from .arguments import time_constant
 from .frames import AIR
 from .horizon import Followed, Foreseen, Found, Tracks, board_of, check, numbered, read_frame, streamed
-from .request import Request, bound, request, sight, solver_name, warn_of_pull, warn_of_speed
+from .request import Request, bound, request, solver_name, warn_of_pull, warn_of_speed
 from .sequence import Sequence
 
 #: Largest number of frames of a modulated solution: as many as an AUTD3 board can store.
 MOST_KEPT = 1024
+
+#: Largest relative error of a number of periods that counts as whole.
+ROUNDING = 1e-9
 
 #: Number of frames between two calls of `progress`, and in one piece of a resumed file.
 BLOCK = 1024
@@ -165,7 +166,7 @@ def _made(sequence: Sequence) -> Sequence:
 def modulated(
     solution: Solution,
     frequency: float | ArrayLike,
-    shape: Shape = "sqrt",
+    shape: Literal["sqrt", "cosine", "square"] = "sqrt",
     depth: float = 1.0,
     *,
     samples_rate: float | None = None,
@@ -208,18 +209,19 @@ def modulated(
     """
     if solution.scene is None:
         raise stated("solution.scene", "is None", "give a solution of a Scene", code="missing")
-    by, frames = wave(frequency, shape, depth, samples_rate), number("rate", rate, above=0)
-    if frames < 2 * by.finest * (1 - ROUNDING):
-        raise refused("rate", rate, f"the modulation needs {2 * by.finest:g} frames a second at least")
+    frames, scene = number("rate", rate, above=0), solution.scene
+    if samples_rate is None:
+        pace = number("frequency", frequency, above=0)
+    else:
+        frequency = numbers("samples", frequency, [(-1,)], "give samples (S,) from 0 to 1", least=0, most=1)
+        pace = number("samples_rate", samples_rate, above=0) / len(frequency)
     # `numerator` frames contain `denominator` periods.
-    ratio = Fraction(frames / by.frequency).limit_denominator(1024)
-    if ratio.numerator > MOST_KEPT or abs(float(ratio) * by.frequency / frames - 1) > ROUNDING:
-        near = frames / max(round(frames / by.frequency), 2)
-        raise refused(
-            "frequency", by.frequency, f"no whole periods at {frames:g} frames/s, give {near:.6g} Hz"
-        )
-    periods = np.arange(max(ratio.numerator, 2), dtype=np.float64) * (by.frequency / frames)
-    factors, scene = by.factors(periods)[:, None], solution.scene
+    ratio = Fraction(frames / pace).limit_denominator(1024)
+    if ratio.numerator > MOST_KEPT or abs(float(ratio) * pace / frames - 1) > ROUNDING:
+        near = frames / max(round(frames / pace), 2)
+        raise refused("frequency", pace, f"no whole periods at {frames:g} frames/s, give {near:.6g} Hz")
+    rest = still(scene.points[:1], duration=ratio.denominator / pace)
+    factors = rest.modulated(frequency, shape, depth, samples_rate=samples_rate).frames(frames)[1]
     air: dict[str, Any] = {**scene.medium, "obstacles": scene.obstacles}
     levels = np.abs(solution.pressures) / max(solution.scale, 1e-30)
     return Sequence(

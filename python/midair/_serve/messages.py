@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Callable, Hashable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,8 +12,8 @@ from numpy.typing import NDArray
 
 from .._boards.errors import BoardError
 from .._midair import SceneError, numbers, stated
-from .._sequence import document
 from .._support.arguments import json_object, number, refused, vectors
+from ..path import Path
 from .client import Client
 from .life import SILENCE
 from .live import Live
@@ -144,4 +143,4 @@ def _path(table: Any) -> Any:
         raise stated(
             "path", "reads a file, or is no object", "give a table as in [[motion.path]], but no svg"
         )
-    return document.path_of(dict(table), Path())
+    return Path._of(table)

@@ -17,7 +17,6 @@ from .._pictures.colours import MAPS
 from .._sequence import Sequence, arguments
 from .._sequence.felt import threshold
 from .._support.arguments import refused, vector
-from ..path._piece import instants
 from .membrane import LOSS, MASS, SPEED, facing, model_of, on_mesh, squares, triangles
 
 if TYPE_CHECKING:
@@ -282,7 +281,7 @@ class Skin:
         SceneError
             For wrong times.
         """
-        turned = np.exp(2j * np.pi * np.outer(instants(times), self.frequencies))
+        turned = np.exp(2j * np.pi * np.outer(arguments.instants(times), self.frequencies))
         moved: NDArray[np.float32] = (turned.astype(np.complex64) @ self.displacement).real
         return moved
 

@@ -15,11 +15,11 @@ Path(points=3, duration=0.02, closed=True)
 ((200, 3, 3), (200, 3))
 """
 
+from .._midair import Path
 from .._support import slips as _slips
-from ._figures import circle, line, lissajous, polyline
+from ._frames import from_array, read
+from ._kinds import circle, line, lissajous, morph, polyline, still, svg
 from ._optimal import fastest
-from ._path import Path
-from ._samples import from_array, morph, read, still, svg
 
 __all__ = [
     "Path",

@@ -21,12 +21,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._midair import Array, Bead, Scene, rest, solve, stated
+from .._midair import Array, Bead, Path, Scene, rest, solve, stated
 from .._support.arguments import flag, number, refused, vectors
 from .._support.slips import BEAD, part_of_bead
-from ._path import Path
-from ._piece import Numbers
-from ._samples import Samples
+from ._frames import Numbers, from_array
 
 #: Steps along a curve; largest number of traps that are solved along it, half a wavelength apart.
 STEPS, TRAPS = 500, 48
@@ -110,17 +108,7 @@ def fastest(
     traps = _traps(scene, curve)
     speeds = _speeds(scene, curve, traps, share, loop)
     places = curve.at(_timed(curve.step, speeds, loop), loop)
-    return Path(
-        Samples(
-            points=1,
-            duration=TICK * (len(places) - (not loop)),
-            closed=loop,
-            pascals=False,
-            rate=1 / TICK,
-            frames=places[:, None],
-            targets=np.ones((len(places), 1)),
-        )
-    )
+    return from_array(places[:, None], rate=1 / TICK, closed=loop)
 
 
 class _Curve(NamedTuple):

@@ -8,8 +8,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import STEP, Curve, along
-from .._support.arguments import flag, number, refused, vector, vectors, word
+from .._midair import STEP, along, shape_points
+from .._support.arguments import number, refused, word
 
 #: Coordinates (M, 3) in m, or (K, 2) in a plane.
 Points: TypeAlias = NDArray[np.float64]
@@ -47,8 +47,7 @@ def line(start: ArrayLike, end: ArrayLike, *, step: float = STEP) -> Points:
     >>> midair.shape.line([0, 0, 0.1], [0, 0, 0.13], step=0.01)[:, 2].round(3).tolist()
     [0.1, 0.11, 0.12, 0.13]
     """
-    curve = Curve.line(vector("start", start), vector("end", end), False)
-    return curve.points(number("step", step))
+    return shape_points({"kind": "line", **locals()})
 
 
 def circle(
@@ -83,8 +82,7 @@ def circle(
     >>> midair.shape.circle([0, 0, 0.15], 0.02, step=0.01).shape
     (13, 3)
     """
-    curve = Curve.circle(vector("center", center), number("radius", radius), vector("normal", normal), 0.0)
-    return curve.points(number("step", step))
+    return shape_points({"kind": "circle", **locals()})
 
 
 def polyline(points: ArrayLike, *, step: float = STEP, closed: bool = False) -> Points:
@@ -116,8 +114,7 @@ def polyline(points: ArrayLike, *, step: float = STEP, closed: bool = False) -> 
     >>> len(midair.shape.polyline(corners, step=0.01, closed=True))
     12
     """
-    curve = Curve.lines("points", vectors("points", points), flag("closed", closed))
-    return curve.points(number("step", step))
+    return shape_points({"kind": "polyline", **locals()})
 
 
 def text(string: str, *, height: float, z: float, step: float = STEP, font: str | None = None) -> Points:

@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element, iterparse
 
 import numpy as np
 
-from .._midair import MOST_POINTS, STEP, SceneError
+from .._midair import MOST_POINTS, STEP, SceneError, stated
 from .._support.arguments import existing, needs, number, refused, shown
 from .._support.text import content
 from ._figures import Contour, Points, box, placed, points_along, ways
@@ -92,6 +92,15 @@ def outlines(caller: str, path: str | PathLike[str], size: float, z: float) -> l
         raise refused("path", name, f"what it draws is {shown(longer)} large, give another file")
     scale = size / longer
     return placed(found, (scale, -scale), z)
+
+
+def one_outline(path: str | PathLike[str], size: float, z: float) -> Contour:
+    """Return the contour in m of an SVG file or text, which a point walks; rejects several contours."""
+    contours = outlines("path.svg", path, size, z)
+    if len(contours) > 1:
+        cure = "leave one in each drawing, and put paths together by & or .then(..., fade=)"
+        raise stated("the drawing", f"has {len(contours)} outlines, of which a point walks one", cure)
+    return contours[0]
 
 
 def _check(file: Path, source: bytes) -> None:

@@ -125,9 +125,14 @@ jobs! {
     /// Computes the level that no drive exceeds, and writes it to the numbers.
     studio_bound() = bound;
 
-    /// Solves the frames (T, M, 3) in m of the number buffer one after the other. The numbers of each frame are the largest
-    /// phase change from the frame before in rad, the least |p| of its points that are not quiet, and the largest |p| of
-    /// all points, in Pa.
+    /// Writes the motion of the scene to the numbers: rate in frames per second, 1 if the last frame continues to the first,
+    /// else 0, and the number of points M; then the points (T, M, 3) in m and the targets (T, M) in Pa of all frames. Fails for
+    /// a scene without `[motion]`.
+    studio_motion() = motion;
+
+    /// Solves the frames (T, M, 3) in m of the number buffer one after the other; with 0 frames, those of the scene's motion.
+    /// The numbers of each frame are the largest phase change from the frame before in rad, the least |p| of its points that
+    /// are not quiet, and the largest |p| of all points, in Pa.
     studio_follow(frames: usize) = follow;
 
     /// Sets the drive to that of a frame of `studio_follow`.

@@ -1,8 +1,7 @@
 //! Opened: a scene that was read, with its model and the session of its solver.
 
-use midair::files::{self, Format, Provenance};
-use midair::solvers::{DEFAULT, configure};
-use midair::{Choice, Control, Error, InstructionSet, Model, Options, Problem, Scene, Session, SolveRequest};
+use midair::files::{self, Format, Provenance, Source};
+use midair::{Control, Error, InstructionSet, Model, Moving, Problem, Scene, Session, SolveRequest};
 
 /// A scene and its session.
 pub(crate) struct Opened {
@@ -10,6 +9,8 @@ pub(crate) struct Opened {
     pub(crate) model: Model,
     pub(crate) session: Session,
     pub(crate) ask: SolveRequest,
+    /// The frames of a scene file with `[motion]`.
+    pub(crate) moving: Option<Moving>,
     set: InstructionSet,
 }
 
@@ -20,18 +21,16 @@ fn format(toml: bool) -> Format {
 impl Opened {
     /// Reads the text of a scene file.
     pub(crate) fn read(text: &[u8], toml: bool, set: InstructionSet) -> Result<Self, Error> {
-        let scene = files::read(text, format(toml))?;
-        let none = || Choice::new(DEFAULT.into(), Options::new());
-        let choice = scene.solver.clone().map_or_else(none, Ok)?;
-        let configured = configure(&choice, scene.array().quantization())?;
+        let (scene, moving) = files::open(text, format(toml), Source::default(), set)?;
         let model = Model::of(&scene, set);
-        let session = Session::new(model.clone(), configured.solver, choice.balance.unwrap_or(configured.info.balance));
+        let session = Session::chosen(model.clone(), scene.solver.as_ref())?;
         let ask = SolveRequest::of_scene(&scene);
-        Ok(Self { scene, model, session, ask, set })
+        Ok(Self { scene, model, session, ask, moving, set })
     }
 
     /// Moves the points of the scene, with these pressures or, if there are none, the old ones.
     pub(crate) fn set_points(&mut self, points: Vec<[f64; 3]>, pressures: Option<Vec<f64>>) -> Result<(), Error> {
+        self.moving = None;
         let mut request = self.scene.request().clone();
         request.pressures = pressures.or(request.pressures);
         self.scene = self.scene.clone().with_points(points, request)?;
@@ -39,8 +38,12 @@ impl Opened {
         Ok(())
     }
 
-    /// Returns the scene as the command line writes it.
+    /// Returns the scene as the command line writes it. A motion has no other text than its own.
     pub(crate) fn write(&self, toml: bool) -> Result<String, Error> {
+        if let Some(moving) = &self.moving {
+            let cure = "its points move: midair motion solves it and midair play plays it";
+            return Err(Error::invalid("motion", format!("one of {} frames", moving.frames()), cure));
+        }
         let version = Some(env!("CARGO_PKG_VERSION").into());
         files::write(&self.scene, format(toml), &Provenance { version, status: None })
     }

@@ -7,8 +7,11 @@ use crate::studio::Studio;
 
 impl Studio {
     pub(crate) fn follow(&mut self, frames: usize) -> Result<(), Error> {
+        if frames == 0 && self.numbers_in.is_empty() {
+            return self.follow_motion();
+        }
         let places: Vec<[f64; 3]> = self.numbers_in.as_chunks().0.to_vec();
-        let Opened { session, ask, scene, model, .. } = self.opened()?;
+        let Opened { session, ask, scene, .. } = self.opened()?;
         let (count, transducers) = (scene.points().len(), scene.array().len());
         if frames == 0 || places.len() != frames * count {
             let cure = format!("give {count} points in each of {frames} frames");
@@ -22,18 +25,45 @@ impl Studio {
         let margin = usize::from(pressed.is_none() && scene.signature() == Some(&Signature::Trap));
         let (start, end) = (&places[..margin * count], &places[places.len() - margin * count..]);
         let around = [end, &places, start].concat();
-        let all = Frames { points: &around, targets: targets.as_deref(), count, margin };
+        let all = Frames { points: &around, targets: targets.as_deref(), count, margin, first: 0 };
         let mut kept = SolveRequest { aim: ask.aim, ..SolveRequest::default() };
         session.last().clear();
         session.follow(all, &mut kept, &mut drives, &mut Control::none())?;
-        let mut reported = Vec::with_capacity(3 * frames);
+        self.keep(drives, places, targets.as_deref())
+    }
+
+    /// Solves the frames of the scene's motion.
+    fn follow_motion(&mut self) -> Result<(), Error> {
+        let Opened { session, moving, model, .. } = self.opened()?;
+        let moving = moving.clone().ok_or_else(still)?;
+        let mut drives = vec![Complex32::ZERO; moving.frames() * model.array().len()];
+        session.follow_moving(&moving, 0..moving.frames(), &mut drives, &mut Control::none())?;
+        self.keep(drives, moving.points, Some(&moving.targets))
+    }
+
+    /// Writes rate, closedness (1 or 0) and number of points of the scene's motion to the numbers, then the points (T, M, 3) in
+    /// m and the targets (T, M) in Pa of all frames.
+    pub(crate) fn motion(&mut self) -> Result<(), Error> {
+        let moving = self.opened()?.moving.as_ref().ok_or_else(still)?;
+        let mut numbers = vec![moving.rate, f64::from(u8::from(moving.closed)), moving.count() as f64];
+        numbers.extend(moving.points.as_flattened());
+        numbers.extend(&moving.targets);
+        self.numbers = numbers;
+        Ok(())
+    }
+
+    /// Keeps solved frames, points (T, M, 3) with targets (T, M), and reports on each.
+    fn keep(&mut self, drives: Vec<Complex32>, places: Vec<[f64; 3]>, targets: Option<&[f64]>) -> Result<(), Error> {
+        let Opened { model, scene, .. } = self.opened()?;
+        let (count, transducers) = (scene.points().len(), scene.array().len());
+        let mut reported = Vec::new();
         let mut before: Option<&[Complex32]> = None;
-        for (drive, points) in drives.chunks(transducers).zip(places.chunks(count)) {
+        for (frame, (drive, points)) in drives.chunks(transducers).zip(places.chunks(count)).enumerate() {
             let turned = before.map_or(0.0, |before| change(before, drive));
             let pressures = midair::field(model, drive, points, &mut Control::none())?;
             let moduli = pressures.iter().map(|p| f64::from(p.norm()));
-            let loud = moduli.clone().enumerate().filter(|&(j, _)| pressed.is_none_or(|each| each[j] > 0.0));
-            let least = loud.fold(f64::INFINITY, |least, (_, p)| least.min(p));
+            let there = |j: usize| targets.is_none_or(|targets| targets[frame * count + j] > 0.0);
+            let least = moduli.clone().enumerate().filter(|&(j, _)| there(j)).fold(f64::INFINITY, |least, (_, p)| least.min(p));
             reported.extend([turned, least, moduli.fold(0.0, f64::max)]);
             before = Some(drive);
         }
@@ -66,6 +96,10 @@ impl Studio {
         let name = String::from_utf8_lossy(&self.text_in).into_owned();
         self.opened()?.scene.array().board(&name)
     }
+}
+
+fn still() -> Error {
+    Error::invalid("motion", "not there", "open a scene file with [motion]")
 }
 
 /// Returns the largest phase change between two drives, in rad.

@@ -82,6 +82,18 @@ export interface Frame {
   most: number;
 }
 
+/**
+ * Moving points: frames per second, whether the last frame continues to the first, the number of points in a frame, the points
+ * (T, M, 3) in m, and the targets (T, M) in Pa.
+ */
+export interface Motion {
+  rate: number;
+  closed: boolean;
+  count: number;
+  points: Float64Array;
+  targets: Float64Array;
+}
+
 /** The predicted touch of a skin: felt width in m, largest displacement in m, and felt strength at each place, 1 at the threshold. */
 export interface Touch {
   width: number;
@@ -236,11 +248,21 @@ export class Door {
     return this.numbers()[0];
   }
 
-  follow(points: Float64Array, frames: number): Frame[] {
+  /** Returns the frames of a scene file with `[motion]`; throws for another scene. */
+  motion(): Motion {
+    this.call("motion");
+    const all = this.numbers();
+    const [rate, closed, count] = all;
+    const size = 3 + (3 * (all.length - 3)) / 4;
+    return { rate, closed: closed === 1, count, points: all.slice(3, size), targets: all.slice(size) };
+  }
+
+  /** Solves frames (T, M, 3) in m one after the other; without points, those of the scene's motion. */
+  follow(points = new Float64Array(), frames = 0): Frame[] {
     this.giveNumbers(points);
     this.call("follow", frames);
     const all = this.numbers();
-    return Array.from({ length: frames }, (_, t) => {
+    return Array.from({ length: all.length / 3 }, (_, t) => {
       const [change, least, most] = all.subarray(3 * t);
       return { change, least, most };
     });

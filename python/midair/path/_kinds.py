@@ -1,24 +1,14 @@
-"""Circles, lines, polylines and Lissajous figures: points that move along a curve from the core."""
+"""The kinds of paths; their arguments are the keys of `[[motion.path]]` in a scene file."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from fractions import Fraction
+from os import PathLike
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from .._midair import MOST_POINTS, Curve, numbers, stated
-from .._support.arguments import flag, number, refused, vector, vectors, whole
-from ._path import Path
-from ._piece import Numbers, Piece, constant_pressures
-
-#: Straight pieces per period of a sine: a Lissajous figure of 0.1 m has an error of 1e-9 m.
-PIECES = 16384
-
-#: Largest number in `ratio`; larger ones are probably a mistake.
-MOST_LOBES = 100
+from .._midair import Path
+from ..shape._vector_graphics import one_outline
 
 
 def circle(
@@ -72,12 +62,7 @@ def circle(
     >>> midair.path.circle([0, 0, 0.15], 0.02, frequency=50, points=2)
     Path(points=2, duration=0.02, closed=True)
     """
-    radius, turns = number("radius", radius), number("turns", turns, above=0)
-    angle, count = number("start_angle", start_angle), whole("points", points, least=1)
-    if count > MOST_POINTS:
-        raise refused("points", count, f"give at most {MOST_POINTS}")
-    curve = Curve.circle(vector("center", center), radius, vector("normal", normal), angle)
-    return walk(curve, speed=speed, frequency=frequency, laps=turns, points=count, pressures=pressures)
+    return Path._of({"kind": "circle", **locals()})
 
 
 def line(
@@ -121,8 +106,7 @@ def line(
     >>> midair.path.line([-0.02, 0, 0.15], [0.02, 0, 0.15], speed=0.1)
     Path(points=1, duration=0.4, closed=False)
     """
-    curve = Curve.line(vector("start", start), vector("end", end), flag("there_and_back", there_and_back))
-    return walk(curve, speed=speed, frequency=frequency, pressures=pressures)
+    return Path._of({"kind": "line", **locals()})
 
 
 def polyline(
@@ -166,8 +150,7 @@ def polyline(
     >>> midair.path.polyline(corners, speed=0.1)
     Path(points=1, duration=0.4, closed=False)
     """
-    curve = Curve.lines("corners", vectors("corners", corners), flag("closed", closed))
-    return walk(curve, speed=speed, frequency=frequency, pressures=pressures)
+    return Path._of({"kind": "polyline", **locals()})
 
 
 def lissajous(
@@ -215,90 +198,123 @@ def lissajous(
     >>> midair.path.lissajous([0, 0, 0.15], (0.04, 0.02), (1, 2), phase=0, frequency=5)
     Path(points=1, duration=0.2, closed=True)
     """
-    middle, phase = vector("center", center), number("phase", phase)
-    cure = "give (width, height) in m, not both 0"
-    sizes = numbers("size", size, [(2,)], cure, least=0)
-    if not sizes.any():
-        raise refused("size", size, cure)
-    cure = f"give two whole numbers from 1 to {MOST_LOBES}"
-    lobes = numbers("ratio", ratio, [(2,)], cure, least=1, most=MOST_LOBES)
-    if (lobes != np.rint(lobes)).any():
-        raise refused("ratio", ratio, cure)
-    # In lowest terms, one period traverses the figure once.
-    a, b = Fraction(int(lobes[0]), int(lobes[1])).as_integer_ratio()
-    u = 2 * math.pi * np.arange(PIECES * max(a, b)) / (PIECES * max(a, b))
-    shifts = sizes / 2 * np.stack([np.sin(a * u + phase), np.sin(b * u)], axis=1)
-    vertices = middle + np.column_stack([shifts, np.zeros(len(u))])
-    return walk(Curve.lines("figure", vertices, True), speed=speed, frequency=frequency, pressures=pressures)
+    return Path._of({"kind": "lissajous", **locals()})
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Walk(Piece):
-    """Points on one curve; each moves by `way` m during the piece."""
-
-    curve: Curve
-    #: Start of each of the M points, in m along the curve.
-    starts: Numbers
-    #: Distance in m that each point moves.
-    way: float
-    #: Targets (M,).
-    targets: Numbers
-
-    def place(self, times: Numbers) -> Numbers:
-        """Return the places at these times."""
-        return self.curve.after(self.starts + self.way * (times / self.duration)[:, None])
-
-    def pace(self, times: Numbers) -> Numbers:
-        """Return the speed, which is constant."""
-        return np.full((len(times), self.points), self.way / self.duration)
-
-    def level(self, times: Numbers) -> Numbers:
-        """Return the targets, which are constant."""
-        return np.tile(self.targets, (len(times), 1))
-
-
-def walk(
-    curve: Curve,
+def svg(
+    path: str | PathLike[str],
     *,
-    speed: float | None,
-    frequency: float | None,
-    laps: float = 1.0,
-    points: int = 1,
+    size: float,
+    z: float,
+    speed: float | None = None,
+    frequency: float | None = None,
     pressures: ArrayLike | None = None,
 ) -> Path:
-    """Return the path of points, evenly spaced on a curve, that move along it `laps` times."""
-    targets = constant_pressures(pressures, points)
-    way = laps * curve.length
-    return Path(
-        Walk(
-            points=points,
-            duration=lasting(way, laps, speed=speed, frequency=frequency),
-            closed=curve.closed and laps == round(laps),
-            pascals=pressures is not None,
-            curve=curve,
-            starts=curve.length * np.arange(points) / points,
-            way=way,
-            targets=targets,
-        )
-    )
+    """Move a point along the outline of an SVG drawing, its middle at (0, 0, z), y up.
+
+    Parameters
+    ----------
+    path : str or path
+        An SVG file, or SVG text. A drawing of several outlines is rejected.
+    size : float
+        Longer side of the drawing, in m.
+    z : float
+        Height of its plane in m.
+    speed : float, optional
+        Speed in m/s; alternatively give `frequency`.
+    frequency : float, optional
+        Runs per second along the outline.
+    pressures : float, optional
+        Peak pressure in Pa; by default the balanced level.
+
+    Returns
+    -------
+    Path
+        The path, closed if the outline is.
+
+    Raises
+    ------
+    SceneError
+        For a missing file or one that draws more than one outline, and unless either a speed or a frequency
+        above 0 is given.
+
+    Examples
+    --------
+    >>> import midair
+    >>> drawing = '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0 H10 V10 H0 Z"/></svg>'
+    >>> midair.path.svg(drawing, size=0.02, z=0.15, frequency=5)
+    Path(points=1, duration=0.2, closed=True)
+    """
+    corners, closed = one_outline(path, size, z)
+    return polyline(corners, speed=speed, frequency=frequency, closed=closed, pressures=pressures)
 
 
-def lasting(way: float, laps: float, *, speed: float | None, frequency: float | None) -> float:
-    """Return the duration in s of `way` m, from a speed in m/s or a frequency in laps per second."""
-    if not 0 < way < math.inf:
-        raise stated("the way", f"is {way:g} m long", "give a path of a finite length above 0")
-    if speed is not None and frequency is not None:
-        raise stated(
-            "speed", f"is {speed} and frequency is {frequency}", "give one of them, leave out the other"
-        )
-    if speed is not None:
-        item, value, duration = "speed", speed, way / number("speed", speed, above=0)
-    elif frequency is not None:
-        item, value, duration = "frequency", frequency, laps / number("frequency", frequency, above=0)
-    else:
-        raise stated(
-            "speed and frequency", "are left out", "give speed in m/s, or frequency in Hz", code="missing"
-        )
-    if not 0 < duration < math.inf:
-        raise refused(item, value, f"the path would last {duration:g} s, give another")
-    return duration
+def morph(
+    from_points: ArrayLike,
+    to_points: ArrayLike,
+    *,
+    duration: float | None = None,
+    speed: float | None = None,
+    pressures: ArrayLike | None = None,
+) -> Path:
+    """Move points to as many others, each straight and at constant speed.
+
+    Parameters
+    ----------
+    from_points, to_points : (M, 3) array_like
+        Places in m at the start and at the end.
+    duration : float, optional
+        Duration in s; alternatively give `speed`.
+    speed : float, optional
+        Speed in m/s of the point with the longest way.
+    pressures : float or (M,) array_like, optional
+        Peak pressures in Pa; by default the balanced level.
+
+    Returns
+    -------
+    Path
+        The path.
+
+    Raises
+    ------
+    SceneError
+        For sets of different numbers of points, and unless either a duration or a speed above 0 is given.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.path.morph([[0, 0, 0.15]], [[0, 0, 0.2]], duration=1).at([0.5]).tolist()
+    [[[0.0, 0.0, 0.175]]]
+    """
+    return Path._of({"kind": "morph", **locals()})
+
+
+def still(places: ArrayLike, *, duration: float, pressures: ArrayLike | None = None) -> Path:
+    """Keep points at rest, for a modulated or joined focus.
+
+    Parameters
+    ----------
+    places : (3,) or (M, 3) array_like
+        Places in m.
+    duration : float
+        Duration in s of a period: the path is closed and repeats.
+    pressures : float or (M,) array_like, optional
+        Peak pressures in Pa; by default the balanced level.
+
+    Returns
+    -------
+    Path
+        The closed path.
+
+    Raises
+    ------
+    SceneError
+        For wrong places, duration or pressures.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.path.still([0, 0, 0.15], duration=0.1).with_am(200)
+    Path(points=1, duration=0.1, closed=True)
+    """
+    return Path._of({"kind": "still", **locals()})

@@ -1,0 +1,97 @@
+//! Files of frames: the points (T, M, 3) of a motion as CSV, or as .npy of NumPy.
+
+use alloc::format;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use crate::error::Error;
+use crate::files::csv::{self, Columns};
+use crate::files::source::Source;
+
+/// Frames of points: points (T, M) in m, and M.
+pub(super) type Frames = (Vec<[f64; 3]>, usize);
+
+const COLUMNS: Columns<'_> = Columns {
+    choices: &[&["frame", "point", "x", "y", "z"]],
+    units: "with x, y, z in metres",
+    example: "0,0,0.01,0.0,0.15",
+};
+
+/// Largest size of a file in bytes.
+const MOST: usize = 256 << 20;
+
+/// Reads the file with this name from the document's folder.
+pub(super) fn read(name: &str, source: Source<'_>) -> Result<Frames, Error> {
+    let kinds = ".npy of points (T, M, 3) in m, or CSV with the columns frame, point, x, y, z";
+    let (bytes, place) = source.beside("motion.file", name, kinds, MOST)?;
+    if name.to_ascii_lowercase().ends_with(".csv") {
+        return table(&bytes, &place);
+    }
+    npy(&bytes, &format!("give {kinds}")).map_err(|cure| Error::unreadable("motion.file", format!("\"{name}\""), cure))
+}
+
+/// Returns the frames of a table with one row for each point of each frame, in any order.
+fn table(bytes: &[u8], name: &str) -> Result<Frames, Error> {
+    let table = csv::read_table(bytes, name, COLUMNS)?;
+    let wrong = |row: usize, item: &str, value: &str, cure: &str| {
+        Err(csv::fault(name, Some(table.lines[row]), csv::unreadable(item, value, cure.into())))
+    };
+    let mut sizes = [0; 2];
+    for (row, cells) in table.rows.iter().enumerate() {
+        for (k, size) in sizes.iter_mut().enumerate() {
+            let number = cells[k];
+            if number < 0.0 || number.fract() != 0.0 {
+                return wrong(row, COLUMNS.choices[0][k], &number.to_string(), "count them 0, 1, 2, ...");
+            }
+            *size = (number as usize + 1).max(*size);
+        }
+    }
+    let ([frames, count], rows) = (sizes, table.rows.len());
+    let needed = frames.saturating_mul(count);
+    if needed > rows {
+        let cure = format!("{frames} frames of {count} points need {needed} rows");
+        return Err(csv::fault(name, None, csv::unreadable("the table", &format!("{rows} rows long"), cure)));
+    }
+    let mut points = vec![None; needed];
+    for (row, cells) in table.rows.iter().enumerate() {
+        let [frame, point] = [cells[0], cells[1]].map(|number| number as usize);
+        if points[frame * count + point].replace([cells[2], cells[3], cells[4]]).is_some() {
+            return wrong(row, &format!("point {point} of frame {frame}"), "there twice", "give it once");
+        }
+    }
+    Ok((points.into_iter().flatten().collect(), count))
+}
+
+/// Returns the frames in an .npy file of f64 or f32 in C order, little-endian, as `numpy.save` writes them; else the cure.
+fn npy(bytes: &[u8], cure: &str) -> Result<Frames, alloc::string::String> {
+    let header = || {
+        let rest = bytes.strip_prefix(b"\x93NUMPY")?;
+        let (size, start) = match rest.first()? {
+            1 => (u16::from_le_bytes(*rest.get(2..)?.first_chunk()?).into(), 4),
+            _ => (u32::from_le_bytes(*rest.get(2..)?.first_chunk()?) as usize, 6),
+        };
+        let (header, values) = rest.get(start..)?.split_at_checked(size)?;
+        Some((core::str::from_utf8(header).ok()?, values))
+    };
+    let (header, values) = header().ok_or(cure)?;
+    let of = |key: &str, end: char| Some(header.split_once(key)?.1.trim_start().split_once(end)?.0);
+    let shape = of("'shape':", ')').unwrap_or_default().trim_start_matches('(');
+    let sizes: Vec<usize> = shape.split(',').filter_map(|size| size.trim().parse().ok()).collect();
+    let &[frames, count, 3] = &*sizes else {
+        return Err(format!("its shape is ({shape}): give points (T, M, 3)"));
+    };
+    let numbers: Vec<f64> = match (of("'descr':", ','), of("'fortran_order':", ',')) {
+        (Some("'<f8'"), Some("False")) => values.as_chunks().0.iter().map(|&x| f64::from_le_bytes(x)).collect(),
+        (Some("'<f4'"), Some("False")) => values.as_chunks().0.iter().map(|&x| f32::from_le_bytes(x).into()).collect(),
+        _ => {
+            return Err(
+                "its numbers are of another type or order: save numpy.ascontiguousarray(points, \"<f8\")".into()
+            );
+        }
+    };
+    let points = numbers.as_chunks().0;
+    if points.len() != frames.saturating_mul(count) {
+        return Err(format!("its shape is ({shape}), but it has {} points: give points (T, M, 3)", points.len()));
+    }
+    Ok((points.to_vec(), count))
+}
