@@ -119,6 +119,32 @@ test("glide follows: no phase turns by more than its bound", () => {
   scene.free();
 });
 
+for (const name of readdirSync(join(golden, "motion"))) {
+  test(`golden/motion/${name}: frames and the bytes of a board`, () => {
+    const { motion, board, points, targets, bytes } = JSON.parse(readFileSync(join(golden, "motion", name), "utf8"));
+    const scene = midair.open(motion, { scalar: true });
+    const moving = scene.motion();
+    assert.equal(moving.rate, motion.motion.rate);
+    assert.deepEqual([...moving.points], points.flat());
+    assert.deepEqual([...moving.targets], targets);
+    const frames = scene.follow();
+    assert.equal(frames.length, bytes.length);
+    bytes.forEach((hex, index) => {
+      scene.frame(index);
+      assert.equal(Buffer.from(scene.encode(board)).toString("hex"), hex, `frame ${index}`);
+    });
+    assert.throws(() => scene.save(false), /its points move/);
+    scene.free();
+  });
+}
+
+test("a scene at rest has no motion", () => {
+  const scene = midair.open(ring());
+  assert.throws(() => scene.motion(), /^Error: motion is not there: open a scene file with \[motion\]$/);
+  assert.throws(() => midair.open({ array: { preset: "autd3" }, motion: { rate: 10, path: [] } }), /motion.path/);
+  scene.free();
+});
+
 test("TOML is read as JSON is, and written", () => {
   const scene = midair.open(ring());
   const again = midair.open(scene.save(true));

@@ -123,7 +123,7 @@ mod _midair {
     #[pymodule_export]
     use super::shifted::Shifted;
     #[pymodule_export]
-    use super::skin::{Membrane, Pushes, excess, felt_width, live_lines, strength, threshold};
+    use super::skin::{Membrane, Pushes, decibels, excess, felt_width, hand, live_lines, strength, threshold};
     #[pymodule_export]
     use super::solution::{Solution, about};
     #[pymodule_export]

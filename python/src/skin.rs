@@ -9,8 +9,11 @@ use numpy::{
 use pyo3::prelude::*;
 use pyo3::types::PyComplex;
 
+use crate::array::Array;
 use crate::ctrl_c::attend;
 use crate::error::refused;
+use crate::plane::Plane;
+use crate::read;
 
 const SKIN: [f64; 3] = touch::Membrane::SKIN;
 
@@ -158,4 +161,17 @@ pub(crate) fn felt_width(
     middle: usize,
 ) -> PyResult<f64> {
     Ok(touch::felt_width(values.as_slice()?, places.as_slice()?.as_chunks().0, middle))
+}
+
+/// Return a felt strength in dB above the threshold; minus infinity for 0.
+#[pyfunction]
+pub(crate) fn decibels(strength: f64) -> f64 {
+    touch::decibels(strength)
+}
+
+/// Return the plane of a hand through the middle of points (K, 3) in m, which faces the array.
+#[pyfunction]
+pub(crate) fn hand(points: &Bound<'_, PyAny>, array: &Array, margin: f64, pixels: usize) -> PyResult<Plane> {
+    let points = read::vectors("points", points)?;
+    Ok(Plane { inner: touch::hand(&points, &array.inner, margin, pixels).map_err(refused)? })
 }

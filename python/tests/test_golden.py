@@ -47,6 +47,32 @@ def test_golden_vectors_come_out_bit_for_bit_under_the_scalar_set(tmp_path: Path
     assert drives.size == 0
 
 
+#: A program that solves the motions named on its command line, and prints the bytes of their boards' frames.
+PLAYED = """
+import json, pathlib, sys, warnings, midair
+from midair._sequence import document
+warnings.simplefilter("ignore")
+for path in sys.argv[1:]:
+    record = json.load(open(path))
+    pathlib.Path("motion.json").write_text(json.dumps(record["motion"]))
+    solved = document.read(pathlib.Path("motion.json")).solve()
+    board = midair.Board(record["board"], solved.array)
+    assert solved.points.reshape(-1, 3).tolist() == record["points"]
+    assert solved.targets.ravel().tolist() == record["targets"]
+    print(json.dumps([board.encode(drive).hex() for drive in solved.drives]))
+"""
+
+
+@pytest.mark.slow
+def test_a_board_gets_the_bytes_of_a_motion_under_the_scalar_set(tmp_path: Path) -> None:
+    motions = sorted(GOLDEN[0].parent.joinpath("motion").glob("*.json"))
+    environment = {**os.environ, "MIDAIR_SIMD": "scalar"}
+    command = [sys.executable, "-c", PLAYED, *map(str, motions)]
+    done = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, check=True, text=True)
+    for path, line in zip(motions, done.stdout.splitlines(), strict=True):
+        assert json.loads(line) == json.loads(path.read_text())["bytes"], path.stem
+
+
 # Some targets are weak on purpose, which causes a warning.
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)

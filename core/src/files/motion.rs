@@ -110,7 +110,8 @@ fn together(
         (Some(file), None) => {
             let name = file.text()?;
             let (points, count) = frames::read(name, source).map_err(|error| Fault::at(file.path.as_str(), error))?;
-            Path::through(points, count, pace.rate, pace.closed == Some(true), None).map_err(|error| item.reported(error))
+            Path::through(points, count, pace.rate, pace.closed == Some(true), None)
+                .map_err(|error| item.reported(error))
         }
         (None, Some(paths)) => {
             let mut all: Option<Path> = None;

@@ -1,6 +1,5 @@
 //! Positions of transducers in a separate CSV file: rows x, y, z in metres, optionally with a normal nx, ny, nz.
 
-use alloc::string::ToString;
 use alloc::vec::Vec;
 
 use crate::error::Error;

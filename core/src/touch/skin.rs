@@ -11,7 +11,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::math;
 use crate::touch::membrane::Membrane;
-use crate::touch::thresholds::{Channel, HIGHEST};
+use crate::touch::thresholds::{Channel, HIGHEST, strength};
 
 /// Spectral lines weaker than this fraction of the strongest one are rounding errors and are left out.
 const QUIET: f32 = 1e-6;
@@ -184,6 +184,12 @@ impl Skin {
             squares.iter_mut().zip(line).for_each(|(sum, w)| *sum += w.norm_sqr() / 2.0);
         }
         squares.into_iter().map(math::sqrtf).collect()
+    }
+
+    /// Returns the felt strength (P,); 1 is the threshold.
+    #[must_use]
+    pub fn strength(&self) -> Vec<f64> {
+        self.slow.iter().zip(&self.fast).map(|(&slow, &fast)| strength(slow, fast)).collect()
     }
 }
 

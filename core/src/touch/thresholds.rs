@@ -100,6 +100,16 @@ pub fn strength(slow: f64, fast: f64) -> f64 {
     slow.max(fast) + slow.min(fast) / 2.0
 }
 
+/// Returns a felt strength in dB above the threshold; minus infinity for 0.
+///
+/// ```
+/// assert_eq!([10.0, 1.0, 0.0].map(midair::touch::decibels), [20.0, 0.0, f64::NEG_INFINITY]);
+/// ```
+#[must_use]
+pub fn decibels(strength: f64) -> f64 {
+    20.0 * math::log10(strength)
+}
+
 /// Returns the width of a felt spot in m: twice the distance from the place of index `middle` to the nearest place
 /// whose value is less than half of the value at `middle`. It is infinite if there is no such place.
 #[must_use]

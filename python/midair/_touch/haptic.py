@@ -19,6 +19,8 @@ from .._midair import (
     Scene,
     SceneError,
     SceneWarning,
+    decibels,
+    hand,
     restated,
     solve_batch,
     unknown_name,
@@ -29,9 +31,9 @@ from .._sequence.drives import lowered
 from .._sequence.request import bound
 from .._support.arguments import number, refused, warn, word
 from ..path import Path
-from .membrane import facing, model_of
+from .membrane import model_of
 from .schedule import SPEEDS, Curve, Foci, Technique, moving, usual
-from .skin import Skin, decibels, skin
+from .skin import Skin, skin
 
 #: The skin is a square grid of points: their number per side, and the margin in m between shape and edge.
 COARSE, MARGIN = 33, 0.015
@@ -236,7 +238,7 @@ def _best(judge: _Judge, aim: str, most: float, ears: Mapping[str, Any] | None, 
         aim,
         decibels(along.mean()),
         decibels(along.min()),
-        {one.name: decibels(score(one.skin)) for one in techniques[len(tried) :]},
+        {one.name: decibels(max(score(one.skin), 0)) for one in techniques[len(tried) :]},
         best.exposure,
     )
 
@@ -308,7 +310,7 @@ class _Judge:
         self, array: Array, curve: Curve, rate: float, reach: float, membrane: Membrane, model: dict[str, Any]
     ) -> None:
         self._array, self.curve, self.rate, self._model = array, curve, rate, model
-        self._plane = facing(curve.places, array, COARSE, MARGIN)
+        self._plane = hand(curve.places, array, MARGIN, COARSE)
         #: The places of the curve, moved along the normal into the plane of the skin.
         self._under = np.array(curve.places)
         self._under[:, "xyz".index(self._plane.axis)] = self._plane.at

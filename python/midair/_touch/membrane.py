@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import REACH, SKIN, Array, Membrane, Mesh, Plane, Shifted
+from .._midair import REACH, SKIN, Membrane, Mesh, Plane, Shifted
 from .._support.arguments import needs, number, warn
 
 #: Mode of SuperLU for symmetric matrices, with pivots on the diagonal.
@@ -113,16 +113,6 @@ class Triangles:
 def triangles(hand: Mesh) -> Triangles:
     """Return the triangles of a hand's mesh."""
     return Triangles(hand.vertices, hand.faces)
-
-
-def facing(places: NDArray[np.float64], array: Array, pixels: int, margin: float) -> Plane:
-    """Return a plane through places (P, 3) that faces an array, with a margin in m around them."""
-    middle = (places.min(axis=0) + places.max(axis=0)) / 2
-    normal = int(np.abs(middle - array.positions.mean(axis=0)).argmax())
-    across = [axis for axis in range(3) if axis != normal]
-    size = float(np.ptp(places, axis=0)[across].max()) + 2 * margin
-    center = (float(middle[across[0]]), float(middle[across[1]]))
-    return Plane(axis="xyz"[normal], at=float(middle[normal]), size=size, pixels=pixels, center=center)
 
 
 def squares(plane: Plane) -> NDArray[np.float64]:

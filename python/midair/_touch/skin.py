@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,12 +11,13 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import HIGHEST, REACH, Mesh, Plane, excess, felt_width, live_lines, strength
+from .._midair import HIGHEST, REACH, Mesh, Plane, decibels, excess, felt_width, live_lines, strength
+from .._midair import hand as hand_through
 from .._pictures.colours import MAPS
 from .._sequence import Sequence, arguments
 from .._sequence.felt import threshold
 from .._support.arguments import refused, vector
-from .membrane import LOSS, MASS, SPEED, facing, model_of, on_mesh, squares, triangles
+from .membrane import LOSS, MASS, SPEED, model_of, on_mesh, squares, triangles
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -95,7 +95,7 @@ def skin(
         raise refused("sequence", sequence, "give a midair.Sequence")
     membrane, width, tau = model_of(speed, loss, mass, reach, tau)
     if hand is None:
-        hand = facing(sequence.points[sequence.targets > 0], sequence.array, SIDE, MARGIN)
+        hand = hand_through(sequence.points[sequence.targets > 0], sequence.array, MARGIN, SIDE)
     if isinstance(hand, Plane):
         places, step = squares(hand), hand.size / max(hand.pixels - 1, 1)
         frequencies, pressure, lines = sequence._push_lines(places, tau)
@@ -174,7 +174,7 @@ class Skin:
     @property
     def level(self) -> float:
         """Strength at the strongest place, in dB above what is just felt."""
-        return float(decibels(self.strength.max()))
+        return decibels(self.strength.max())
 
     @property
     def rms(self) -> NDArray[np.float64]:
@@ -374,11 +374,6 @@ class Skin:
             ("width", f"{1e3 * self.width():.1f} mm felt, {1e3 * self.focus_width():.1f} mm of pressure"),
             ("displacement", spectrum or "none"),
         ]
-
-
-def decibels(strength: float) -> float:
-    """Return a strength in dB above what is just felt; -inf for a technique that cannot be played."""
-    return strength if strength == -math.inf else float(20 * np.log10(max(strength, 1e-10)))
 
 
 def _draw(skin: Skin, panel: Panel, ax: Axes, colours: Map, best: int) -> None:

@@ -2,11 +2,11 @@
 
 use midair::files::{read_array, read_drive, write_drive};
 use midair::flight::Course;
+use midair::touch::Touch;
 use midair::{Array, Complex32, Control, Error, InstructionSet, Precision, bound, spl};
 
 use crate::lattices::Lattices;
 use crate::opened::Opened;
-use crate::touch::Touch;
 
 /// One scene, its session and the buffers.
 #[derive(Default)]
