@@ -1,7 +1,9 @@
 /** midair in Node and browsers: scenes that are solved, evaluated and played. */
 
+import type { Notice } from "../studio/src/state/notice.ts";
 import { compile, Door } from "../studio/src/work/door.ts";
 
+export { type Notice, Refusal } from "../studio/src/state/notice.ts";
 export type * from "../studio/src/work/door.ts";
 export type { OwnArray, Vec3 } from "../studio/src/state/types.ts";
 
@@ -18,15 +20,15 @@ export interface Reading {
 
 /** A scene with its session: all functions of a Door except `open` and `catalogue`. */
 export type Scene = Omit<Door, "open" | "catalogue"> & {
-  /** Warnings about the scene, one line each. */
-  readonly warnings: readonly string[];
+  /** Warnings about the scene. */
+  readonly warnings: readonly Notice[];
 };
 
 /** The compiled module. */
 export interface Midair {
   /** Returns presets, solvers and boards, and the version. */
   catalogue(): ReturnType<Door["catalogue"]>;
-  /** Opens a scene; throws a message of one line with the item, its value and the cure. `free` returns its memory. */
+  /** Opens a scene; throws a `Refusal` of one line with the item, its value and the cure. `free` returns its memory. */
   open(scene: SceneFile, reading?: Reading): Scene;
 }
 

@@ -17,7 +17,7 @@ const packed = JSON.parse(npm("pack", "--json", "--pack-destination", folder, jo
 writeFileSync(join(folder, "package.json"), JSON.stringify({ name: "empty", type: "module", private: true }));
 npm("install", "--no-audit", "--no-fund", "--offline", join(folder, packed.filename));
 const installed = join(folder, "node_modules/midair");
-const { load } = await import(pathToFileURL(join(installed, "dist/index.js")).href);
+const { load, Refusal } = await import(pathToFileURL(join(installed, "dist/index.js")).href);
 const midair = await load();
 
 const points = [[-0.02, 0, 0.12], [0.02, 0.01, 0.12]];
@@ -181,6 +181,21 @@ for (const [name, [scene, said]] of Object.entries(refusals)) {
     assert.throws(() => midair.open(scene), (error) => said.test(error.message) && !error.message.includes("\n"));
   });
 }
+
+test("errors and warnings have codes", () => {
+  const codeOf = (scene) => {
+    try {
+      return midair.open(scene).warnings.map(({ code }) => code);
+    } catch (error) {
+      assert.ok(error instanceof Refusal && error.message === error.notice.text);
+      return error.notice.code;
+    }
+  };
+  assert.equal(codeOf({ ...ring(), array: { preset: "sonicsurfac" } }), "unknown");
+  assert.equal(codeOf({ ...ring(), points: [{ position: [1e9, 0, 0] }] }), "too-far");
+  assert.equal(codeOf("{"), "unreadable");
+  assert.deepEqual(codeOf({ ...ring(), points: [{ position: [0, 0, 20] }] }), ["too-far"]);
+});
 
 test("a move that is refused leaves the scene as it was", () => {
   const scene = midair.open(ring());

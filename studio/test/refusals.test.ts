@@ -1,21 +1,23 @@
 // Error messages as the page shows them: without positions in files and examples; the most common are in Japanese on the
 // Japanese page.
-import { readFileSync } from "node:fs";
+import { readdirSync, readFileSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
 import { compile, Door } from "../src/work/door.ts";
 import { plain, report } from "../src/app/refusals.ts";
+import { type Notice, notice, noticeOf, Refusal } from "../src/state/notice.ts";
+import sentences from "../src/state/notices.json";
 
 const door = new Door(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
 
-/** Returns the core's messages about points over an array. */
-function said(points: object[], more: object = {}): string {
+/** Returns the core's first notice about points over an array. */
+function said(points: object[], more: object = {}): Notice {
   try {
     door.open(JSON.stringify({ array: { preset: "sonicsurface" }, points, solver: { name: "uniform" }, ...more }));
-    return door.solve().said.join("\n");
+    return door.solve().said[0];
   } catch (error) {
-    return (error as Error).message;
+    return noticeOf(error);
   }
 }
 
@@ -37,44 +39,53 @@ test.each([
   [[here], { obstacles: [0.06, 0.12].map((z) => ({ center: [0, 0, z], radius: 0.02, kind: "rigid" })) }, /^obstacles\[0\] is a sphere among/, /^球はほかの障害物と/],
   [[here], obstacles({ center: [1, 0, 0.1], radius: 0.8 }), /^obstacles\[0\]\.radius is/, /^球が大きすぎます: 半径は [\d.]+ m 以下/],
 ])("%j %j", (points, more, english, japanese) => {
-  const line = said(points, more);
-  expect(plain("en", line)).toMatch(english);
-  expect(plain("en", line)).not.toMatch(/scene file|for example|points\[/);
-  expect(plain("ja", line)).toMatch(japanese);
-  expect(plain("ja", line)).not.toMatch(/[a-z]{4}/);
+  const notice = said(points, more);
+  expect(plain("en", notice)).toMatch(english);
+  expect(plain("en", notice)).not.toMatch(/scene file|for example|points\[/);
+  expect(plain("ja", notice)).toMatch(japanese);
+  expect(plain("ja", notice)).not.toMatch(/[a-z]{4}/);
 });
 
-test("other lines stay as they are", () => {
-  expect(plain("ja", "steps is 0: give at least 1")).toBe("steps is 0: give at least 1");
+test("a notice without a code stays as it is", () => {
+  expect(plain("ja", noticeOf("steps is 0: give at least 1"))).toBe("steps is 0: give at least 1");
 });
 
-const MESSAGES = `${import.meta.dirname}/../src`;
+test("the wording of a notice does not matter: its code and its values make the Japanese sentence", () => {
+  const notice = said([{ ...here, pressure: 1e6 }]);
+  const other = { ...notice, text: "other words", plain: "other words" };
+  expect(plain("ja", other)).toBe(plain("ja", notice));
+});
 
-/** The source file of a message, a part of it as written there, the message, and its beginning in Japanese. */
+const table = Object.entries(sentences);
+
+test("each code of the core, as docs/errors.md lists them, has a Japanese sentence, and no other English one", () => {
+  const listed = [...readFileSync(`${import.meta.dirname}/../../docs/errors.md`, "utf8").matchAll(/^\| `([a-z-]+)` \|/gm)].map((match) => match[1]);
+  expect(listed.length).toBeGreaterThan(30);
+  expect(table.filter(([, [english]]) => !english).map(([code]) => code).toSorted()).toEqual(listed.toSorted());
+  expect(table.filter(([, [, japanese]]) => !/[\u3040-\u30ff\u4e00-\u9fff]/.test(japanese))).toEqual([]);
+});
+
+test("both sentences of a notice have the same values, and each code of the page is used", () => {
+  const values = (sentence: string) => new Set(sentence.match(/\{\w+\}/g));
+  const source = readdirSync(`${import.meta.dirname}/../src`, { recursive: true, encoding: "utf8" })
+    .filter((name) => name.endsWith(".ts"))
+    .map((name) => readFileSync(`${import.meta.dirname}/../src/${name}`, "utf8"))
+    .join("\n");
+  for (const [code, [english, japanese]] of table.filter(([, [english]]) => english)) {
+    expect([...values(japanese)].filter((value) => !values(english).has(value) && value !== "{point}"), code).toEqual([]);
+    expect(source).toContain(`"${code}"`);
+  }
+});
+
 test.each([
-  ["app/exchange.ts", "give .toml, .json", "a.txt: give .toml, .json, .csv, .svg, .png or .jpg", "a.txt: 開けるファイルは .toml"],
-  ["state/scene_file.ts", "at most ${most}", "points is 80: the page has at most 64, use the package", "点が 80 個あります: "],
-  ["state/scene_file.ts", "the page has ${", "motion is {}: the page has no place for it, use the package", "motion ({}) はこのページでは"],
-  ["work/door.ts", "rows: give at most", "a.csv: 9000 rows: give at most 4096", "a.csv: 振動子が 9000 個あります: 4096 個"],
-  ["making/drawing.ts", "is larger than 2 MB", "the drawing is larger than 2 MB: give an SVG file", "図形が大きすぎます: 2 MB 以下"],
-  ["making/drawing.ts", "elements", "the drawing has more than 500 elements: give an SVG", "図形の要素が多すぎます: 500 個以下"],
-  ["making/drawing.ts", "cannot be read", "a.svg: the drawing cannot be read: give an SVG", "a.svg: SVG として読めません"],
-  ["making/drawing.ts", "has a script or", "the drawing has a script or a page in it: give an SVG", "SVG にスクリプト"],
-  ["making/drawing.ts", "has no lines", "the drawing has no lines: give an SVG", "図形に線がありません"],
-  ["making/pixels.ts", "it cannot be read as a picture: ", "a.png: it cannot be read as a picture: give a PNG or JPEG", "a.png: 画像として読めません"],
-  ["making/pixels.ts", "it is dark everywhere (", "it is dark everywhere (black or transparent): give white on black", "画像に明るいところがありません"],
-  ["making/lettering.ts", 'the text has "', 'the text has "~": give A to Z', "「~」は描けません"],
-  ["making/lettering.ts", "the text is empty: ", "the text is empty: give at least a letter", "文字がありません"],
-  ["state/link.ts", 'the link has a broken "%": ', 'the link has a broken "%": copy it once more', "リンクが壊れています"],
-  ["app/recording.ts", "this browser records no WebM: ", "this browser records no WebM: choose GIF", "このブラウザでは WebM に"],
-  ["work/door.ts", "this browser cannot run midair (", "this browser cannot run midair (x): WebAssembly with SIMD is needed", "このブラウザでは midair を"],
-  ["boards/serial.ts", "cannot be opened (", "the port of sonicsurface cannot be opened (x): plug the board in", "sonicsurface のポートを開けません (x): "],
-  ["boards/serial.ts", "it was unplugged", "the port of sonicsurface is gone (it was unplugged): the board was turned off, connect again", "sonicsurface との接続が切れました (取り外されました): ボードは停止しました"],
-  ["boards/serial.ts", "it takes nothing", "the port of sonicsurface is gone (it takes nothing): the board may still play, switch", "sonicsurface との接続が切れました (応答がありません): 出力が続いて"],
-  ["boards/serial.ts", "cannot play this (", "sonicsurface cannot play this (x): it is off", "sonicsurface では出力できません (x): "],
-])("%s: %s", (file, words, line, japanese) => {
-  expect(readFileSync(`${MESSAGES}/${file}`, "utf8")).toContain(words);
-  const shown = report("ja", "failed", { line });
-  expect(shown.startsWith(`実行できません: ${japanese}`), shown).toBe(true);
-  expect(report("en", "failed", { line })).toBe(`Did not work: ${line}`);
+  [notice("file-kind"), "a.txt", "a.txt: 開けるファイルは .toml"],
+  [notice("page-most", { item: "points", value: 80, other: 64 }), "", "points が 80 個あります: "],
+  [notice("rows", { value: 9000, other: 4096 }), "a.csv", "a.csv: 振動子が 9000 個あります: 4096 個"],
+  [notice("letter-unknown", { value: "~" }), "", "「~」は描けません"],
+  [notice("port-gone", { item: "sonicsurface", value: notice("unplugged") }), "", "sonicsurface との接続が切れました (取り外されました): ボードは停止しました"],
+  [notice("port-lost", { item: "sonicsurface", value: notice("stalled") }), "", "sonicsurface との接続が切れました (応答がありません): 出力が続いて"],
+])("%j in %j", (each, place, japanese) => {
+  const line = noticeOf(new Refusal(each), place);
+  expect(report("ja", "failed", { line })).toContain(`実行できません: ${japanese}`);
+  expect(report("en", "failed", { line })).toBe(`Did not work: ${[place, each.text].filter(Boolean).join(": ")}`);
 });

@@ -55,7 +55,7 @@ async function begin(port = fakePort(), board: SerialBoard = SURFACE) {
     if (drive[0] < 0) throw new Error("2 transducers: give 256");
     return Uint8Array.from(drive);
   };
-  const connected = connect(port, board, encode, SILENCE, (state, line) => reports.push(line || state));
+  const connected = connect(port, board, encode, SILENCE, (state, notice) => reports.push(notice?.text ?? state));
   await vi.runAllTimersAsync();
   return { port, reports, connection: await connected };
 }

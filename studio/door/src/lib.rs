@@ -2,7 +2,7 @@
 //!
 //! A page makes a [`Studio`] and writes the text of a scene file to the address that [`studio_text_in`] returns. It
 //! opens and solves the scene, and reads the results at [`studio_result`]. Functions that can fail return 0 if they
-//! succeed, else 1, with a message of one line as the text. Addresses are valid until the next call with the same
+//! succeed, else 1, with the error as JSON in the text. Addresses are valid until the next call with the same
 //! studio.
 #![allow(clippy::missing_safety_doc, reason = "a module of WebAssembly sees no memory but its own")]
 
@@ -43,8 +43,8 @@ pub extern "C" fn studio_numbers_in(studio: &mut Studio, count: usize) -> *mut f
     studio.numbers_in.as_mut_ptr()
 }
 
-/// Returns the address of a result of the last call: 0 the text (an error message, warnings, one per line, a scene or
-/// the catalogue), 1 the numbers, 2 the drive (N,), 3 the pressures of the field, both re and im in f32, or 4 the bytes.
+/// Returns the address of a result of the last call: 0 the text (an error or warnings as JSON, a scene or the
+/// catalogue), 1 the numbers, 2 the drive (N,), 3 the pressures of the field, both re and im in f32, or 4 the bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_result(studio: &Studio, kind: u32) -> *const u8 {
     studio.result(kind).0
@@ -97,7 +97,8 @@ jobs! {
     studio_write_drive() = write_drive;
 
     /// Solves the scene with its solver. The numbers are accuracy, sigma, uniformity, level, residual, leak, scale, steps,
-    /// and target, re and im of each point in Pa. Writes the status to the text, and warnings to the lines after it.
+    /// and target, re and im of each point in Pa. Writes the status and the warnings to the text,
+    /// as JSON.
     studio_solve() = solve;
 
     /// Moves the scene's points. The number buffer has M points (M, 3) in m, then M pressures in Pa, or no pressures to keep

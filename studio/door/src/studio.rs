@@ -3,7 +3,8 @@
 use midair::files::{read_array, read_drive, write_drive};
 use midair::flight::Course;
 use midair::touch::Touch;
-use midair::{Array, Complex32, Control, Error, InstructionSet, Precision, bound, spl};
+use midair::{Array, Complex32, Control, Error, InstructionSet, Notice, Precision, bound, spl};
+use serde_json::{Value, json};
 
 use crate::lattices::Lattices;
 use crate::opened::Opened;
@@ -44,13 +45,13 @@ impl Studio {
         }
     }
 
-    /// Runs the work of a function; writes its error message to the text and returns 1 if it fails, else returns 0.
+    /// Runs the work of a function; writes its error to the text and returns 1 if it fails, else returns 0.
     pub(crate) fn work(&mut self, work: impl FnOnce(&mut Self) -> Result<(), Error>) -> u32 {
         self.text.clear();
         match work(self) {
             Ok(()) => 0,
             Err(error) => {
-                self.text = error.to_string();
+                self.text = notice(&error).to_string();
                 1
             }
         }
@@ -63,7 +64,7 @@ impl Studio {
         self.course = None;
         self.drive.clear();
         let opened = self.opened.insert(Opened::read(&self.text_in, toml, set)?);
-        self.text = lines(opened.scene.doubts());
+        self.text = notices(opened.scene.doubts()).to_string();
         Ok(())
     }
 
@@ -124,7 +125,8 @@ impl Studio {
         for (target, p) in solution.targets().iter().zip(&solution.pressures) {
             self.numbers.extend([*target, f64::from(p.re), f64::from(p.im)]);
         }
-        self.text = format!("{status}\n{}", lines(session.remarks()));
+        let said = notices(session.remarks().map(|remark| remark.notice()));
+        self.text = json!({ "status": status, "said": said }).to_string();
         Ok(())
     }
 
@@ -197,6 +199,21 @@ fn played(drive: &[Complex32], scale: f32) -> Vec<Complex32> {
     drive.iter().map(|q| q * scale).collect()
 }
 
-fn lines(said: impl IntoIterator<Item = impl ToString>) -> String {
-    said.into_iter().map(|line| line.to_string()).collect::<Vec<_>>().join("\n")
+/// Returns errors or warnings as JSON, with the names of `Notice` in studio/src/state/notice.ts.
+fn notices(all: impl IntoIterator<Item = Notice>) -> Value {
+    all.into_iter().map(|each| notice(&each)).collect()
+}
+
+fn notice(given: &Notice) -> Value {
+    let Notice { code, place, item, value, cure, other, index, .. } = given;
+    let mut plain = given.clone();
+    plain.place.clear();
+    plain.example.clear();
+    json!({
+        "code": code.name(),
+        "text": given.to_string(),
+        "plain": plain.to_string(),
+        "place": place,
+        "put": { "item": item, "value": value, "cure": cure, "other": other, "point": index.map(|index| index + 1) },
+    })
 }

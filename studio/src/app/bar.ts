@@ -6,6 +6,7 @@ import { element } from "./dom.ts";
 import { exportDrive, exportScene, open } from "./exchange.ts";
 import { showGallery } from "./gallerybox.ts";
 import { writeLink } from "../state/link.ts";
+import { noticeOf } from "../state/notice.ts";
 
 /** Functions of the page that the bar calls. */
 export interface Deeds {
@@ -45,7 +46,7 @@ export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): 
   };
   const name = element("h1", {}, "midair ", element("small", {}, say("studio")));
   const logo = element("span", { className: "logo", innerHTML: LOGO });
-  const report = ({ message }: Error) => context.alarm(say("failed", { line: message }));
+  const report = (error: unknown) => context.alarm(say("failed", { line: noticeOf(error) }));
   const tools = element(
     "div",
     { className: "tools", id: "tools" },

@@ -6,6 +6,7 @@ import { attended, type Connection, type ConnectionState, guard } from "../board
 import { type SerialBoard, type SerialPortLike, boardOf, connect } from "../boards/serial.ts";
 import { fits, Served } from "../boards/served.ts";
 import { shownOf } from "../work/studio.ts";
+import { type Notice, noticeOf } from "../state/notice.ts";
 
 /** The part of `navigator` that browsers with WebSerial have. */
 type WithSerial = Navigator & { serial?: { requestPort(): Promise<SerialPortLike> } };
@@ -53,7 +54,7 @@ export function createBoardButton(context: Context): HTMLElement {
     return connect(port, board, encode, silence, report);
   }
 
-  function report(state: ConnectionState, line: string) {
+  function report(state: ConnectionState, line?: Notice) {
     if (line) context.alarm(say("failed", { line }));
     if (state === "gone") forget();
     show();
@@ -87,8 +88,8 @@ export function createBoardButton(context: Context): HTMLElement {
     if (connection?.state === "playing") void connection.off();
     else if (connection) play();
     else {
-      void begin().catch(({ name, message }: Error) => {
-        if (name !== "NotFoundError") context.alarm(say("failed", { line: message }));
+      void begin().catch((error: Error) => {
+        if (error.name !== "NotFoundError") context.alarm(say("failed", { line: noticeOf(error) }));
       });
     }
   };

@@ -104,7 +104,7 @@ export function createCompare(context: Context) {
   });
   const writeWarnings = changes((text: string) => {
     const lines = JSON.parse(text) as string[];
-    const items = lines.map((line) => element("li", {}, plain(line)));
+    const items = lines.map((line) => element("li", {}, line));
     warnings.replaceChildren(...(lines.length ? [element("li", {}, `${say("notes")}:`)] : []), ...items);
   });
 
@@ -139,8 +139,8 @@ export function createCompare(context: Context) {
         const shown = felt ? say(felt.word, felt.put) : answer && !still ? say("summary", { pressure: pressure(weakest(results[slot])), evenness: percent(answer.metrics.uniformity) }) : "";
         write(summary, [frame?.names[slot], shown].filter(Boolean).join(felt ? ": " : "  "));
         parts[slot].root.classList.toggle("still", still);
-        write(refusal, refused && say("unsolved", { line: plain(refused) }));
-        refusal.hidden = refused === "";
+        write(refusal, refused ? say("unsolved", { line: plain(refused) }) : "");
+        refusal.hidden = !refused;
       }
       wiper.hidden = results.some(({ lattice }) => !lattice);
       ring();
@@ -148,7 +148,7 @@ export function createCompare(context: Context) {
       writeBar(mapOf(look));
       writeTicks(JSON.stringify(ticks(look)));
       writeRows(JSON.stringify(numberRows(studio.view)));
-      writeWarnings(JSON.stringify([...new Set(results.flatMap((result) => result.warnings))]));
+      writeWarnings(JSON.stringify([...new Set(results.flatMap((result) => result.warnings.map(plain)))]));
     },
   };
 }

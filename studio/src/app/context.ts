@@ -7,6 +7,7 @@ import type { Studio } from "../work/studio.ts";
 import { element, write } from "./dom.ts";
 import { plain, report } from "./refusals.ts";
 import type { Language, Word } from "./words.ts";
+import { type Notice, type Put } from "../state/notice.ts";
 
 /** Announcements within this time, in ms, are made together. */
 const GATHER = 250;
@@ -30,10 +31,10 @@ export class Context {
     readonly repaint: () => void,
   ) {}
 
-  readonly say = (word: Word, put?: Record<string, string | number>) => report(this.language, word, put);
+  readonly say = (word: Word, put?: Put) => report(this.language, word, put);
 
-  /** Returns a message of the core in the words and the language of the page. */
-  readonly plain = (line: string) => plain(this.language, line);
+  /** Returns an error or a warning of a scene in the words and the language of the page. */
+  readonly plain = (notice: Notice) => plain(this.language, notice);
 
   /** Announces a text to users of screen readers. */
   readonly announce = (text: string): void => {

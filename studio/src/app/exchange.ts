@@ -4,6 +4,7 @@ import type { Context } from "./context.ts";
 import { element } from "./dom.ts";
 import { drawing } from "../making/drawing.ts";
 import { MOST_POINTS } from "../state/initial.ts";
+import { noticeOf, refuse, Refusal } from "../state/notice.ts";
 import { gridOf, wavelength } from "../work/lattices.ts";
 import { pictured } from "../making/pixels.ts";
 import { planesOf } from "../state/plane.ts";
@@ -37,14 +38,12 @@ export async function open(context: Context, file: File): Promise<void> {
     } else if (ending === "csv") {
       studio.change({ array: await engine.slots[0].readArray(text, file.name) });
     } else {
-      throw new Error("give .toml, .json, .csv, .svg, .png or .jpg");
+      refuse("file-kind");
     }
     context.alarm("");
     context.announce(context.say("opened", { name: file.name }));
   } catch (error) {
-    const { message } = error as Error;
-    const line = message.startsWith(file.name) ? message : `${file.name}: ${message}`;
-    context.alarm(context.say("unread", { line }));
+    context.alarm(context.say("unread", { line: noticeOf(error, file.name) }));
   }
 }
 
@@ -53,7 +52,7 @@ async function compareDrive({ studio, engine }: Context, drive: Float32Array, na
   const { state, results } = studio.view;
   const grids = planesOf(state).map((plane) => gridOf(state, undefined, plane));
   const result = resultOf(await engine.slow.judged(studio.scene(0), drive, grids, state.ear));
-  if (result.refused) throw new Error(result.refused);
+  if (result.refused) throw new Refusal(result.refused);
   studio.show({ points: state.points, results: [result, results[1]], names: [name, ""] });
 }
 
@@ -77,7 +76,7 @@ export async function exportDrive({ studio, engine, alarm, say, plain }: Context
   await studio.settled();
   const { answer, refused } = studio.view.results[slot];
   if (answer) save("drive.csv", await engine.slots[0].writeDrive(studio.scene(slot), answer.drive), "text/csv");
-  else alarm(say("unsolved", { line: plain(refused) }));
+  else if (refused) alarm(say("unsolved", { line: plain(refused) }));
 }
 
 /** Saves the figure of the current view, as SVG or as PNG of double resolution. */

@@ -10,6 +10,7 @@ import { onPlane } from "../state/plane.ts";
 import { sample } from "../painter/lattice.ts";
 import type { Studio } from "../work/studio.ts";
 import type { Slot, State, Vec3 } from "../state/types.ts";
+import { Refusal } from "../state/notice.ts";
 
 /** The functions that scripts may call; complex numbers are [re, im], lengths metres, pressures Pa. */
 export type Hook = ReturnType<typeof createHook>;
@@ -21,7 +22,7 @@ const pairs = (values: Float32Array) =>
 export function createHook(engine: Engine, studio: Studio, page: () => Page) {
   const result = (slot: Slot) => {
     const { answer, lattice, refused } = studio.view.results[slot] ?? {};
-    if (!answer || !lattice) throw new Error(refused || `slot is ${slot}: give 0 or 1, once settled`);
+    if (!answer || !lattice) throw refused ? new Refusal(refused) : new Error(`slot is ${slot}: give 0 or 1, once settled`);
     return { answer, lattice };
   };
   return {
@@ -34,9 +35,9 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page) {
         const { answer, milliseconds, atEar } = each;
         return answer && { ...metricsOf(each), scale: answer.scale, status: answer.status, milliseconds, atEar: state.ear && atEar };
       });
-      const refused = results.map((each) => each.refused);
-      const warnings = results.map((each) => each.warnings);
-      const ready = results.some((each) => each.answer !== null || each.refused !== "");
+      const refused = results.map((each) => each.refused?.text ?? "");
+      const warnings = results.map((each) => each.warnings.map(({ text }) => text));
+      const ready = results.some((each) => each.answer !== null || each.refused !== null);
       return structuredClone({ ready, ...state, top: lookOf(studio.view, "dark").top, metrics, bound, touch, refused, warnings });
     },
     /** Changes parts of the state; throws a message of one line if they are not valid. */

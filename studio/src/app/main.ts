@@ -15,6 +15,7 @@ import { Studio } from "../work/studio.ts";
 import type { State } from "../state/types.ts";
 import type { Language } from "./words.ts";
 import wasmUrl from "../../built/midair.wasm?url";
+import { type Notice, noticeOf } from "../state/notice.ts";
 
 declare global {
   interface Window {
@@ -25,20 +26,25 @@ declare global {
 const root = document.getElementById("studio")!;
 const language: Language = navigator.language.startsWith("ja") ? "ja" : "en";
 
-/** Returns the state in the page's address, or a message about its fault. */
-function linked({ catalogue }: Engine): State | string {
-  const read = readLink(location.hash);
-  return typeof read === "string" ? read : faultOf(read, catalogue) || read;
+/** Returns the state in the page's address, or a notice about its fault. */
+function linked({ catalogue }: Engine): State | Notice {
+  try {
+    const read = readLink(location.hash);
+    const fault = typeof read === "string" ? read : faultOf(read, catalogue);
+    return typeof read === "string" || fault ? noticeOf(fault) : read;
+  } catch (error) {
+    return noticeOf(error);
+  }
 }
 
 async function start() {
   const wasm = await (await fetch(wasmUrl)).arrayBuffer();
   const engine = await startEngine(() => new SolveWorker(), wasm);
-  const wrong: string[] = [];
+  const wrong: Notice[] = [];
   let begun = first;
   if (location.hash.length > 1) {
     const read = linked(engine);
-    if (typeof read === "string") wrong.push(read);
+    if ("code" in read) wrong.push(read);
     else begun = read;
   }
   const served = new URLSearchParams(location.search);
@@ -48,7 +54,7 @@ async function start() {
       const text = await (await fetch(name ? `scenes/${encodeURIComponent(name)}.json` : "scene.json")).text();
       begun = stateOf(await engine.slow.read(text, false), initial);
     } catch (error) {
-      wrong.push((error as Error).message);
+      wrong.push(noticeOf(error));
     }
   }
   const studio = new Studio(engine, begun);
@@ -66,12 +72,12 @@ async function start() {
       buttons()[focused]?.focus();
     },
   };
-  const unread = (line: string) => report(manner.language, "unread", { line });
+  const unread = (line: Notice) => report(manner.language, "unread", { line });
   let page = new Page(root, engine, studio, manner);
   window.midair = createHook(engine, studio, () => page);
   window.addEventListener("hashchange", () => {
     const read = linked(engine);
-    if (typeof read === "string") page.alarm(unread(read));
+    if ("code" in read) page.alarm(unread(read));
     else studio.change(read);
   });
   // Stores the site for use without a network; a page opened from a disk needs no storage.
@@ -80,6 +86,6 @@ async function start() {
 }
 
 start().catch((error: Error) => {
-  root.textContent = report(language, "failed", { line: error.message });
+  root.textContent = report(language, "failed", { line: noticeOf(error) });
   root.setAttribute("role", "alert");
 });

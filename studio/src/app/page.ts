@@ -21,6 +21,7 @@ import { createSentence } from "./sentence.ts";
 import { Stage } from "./stage.ts";
 import { createTips } from "./tips.ts";
 import type { Language } from "./words.ts";
+import { noticeOf } from "../state/notice.ts";
 
 /** The settings of a page. */
 export interface Manner {
@@ -110,7 +111,7 @@ export class Page {
         // The canvas is painted with the resolution of the PNG.
         const drawn = figure(context, this.painting.look, this.root, this.painting.paint(2));
         context.repaint();
-        exportFigure(drawn, ending).catch(({ message }: Error) => this.context.alarm(context.say("failed", { line: message })));
+        exportFigure(drawn, ending).catch((error) => context.alarm(context.say("failed", { line: noticeOf(error) })));
       },
     });
   }
@@ -189,10 +190,10 @@ export class Page {
   private warn(): void {
     const { results, moving } = this.studio.view;
     const [a, b] = results.map(({ refused }) => refused);
-    const refused = a && b && !moving ? a : "";
-    if (refused === this.warned) return;
-    this.warned = refused;
-    this.context.alarm(refused && this.context.say("unsolved", { line: this.context.plain(refused) }));
+    const warning = a && b && !moving ? this.context.say("unsolved", { line: this.context.plain(a) }) : "";
+    if (warning === this.warned) return;
+    this.warned = warning;
+    this.context.alarm(warning);
   }
 
   private choose(quantity: Quantity): void {

@@ -8,6 +8,7 @@ import { createChart } from "./chart.ts";
 import { type Context, millimetres } from "./context.ts";
 import { element, explained, write } from "./dom.ts";
 import { type Film, FILMS, type Part, record } from "./recording.ts";
+import { type Notice, noticeOf } from "../state/notice.ts";
 
 /** Changes of phases below this, in rad, count as none. */
 const STILL = 1e-6;
@@ -162,11 +163,11 @@ export class Player {
     try {
       await act();
     } catch (error) {
-      if (!late()) this.fail((error as Error).message);
+      if (!late()) this.fail(noticeOf(error));
     }
   }
 
-  private fail(line: string): void {
+  private fail(line: Notice): void {
     const { studio, say, alarm } = this.context;
     alarm(say("failed", { line }));
     if (isTouch(studio.view.state.quantity)) studio.change({ quantity: "modulus" });
@@ -221,7 +222,7 @@ export class Player {
       tell(lines);
       announce(lines.join(". "));
     } catch (error) {
-      tell([say("failed", { line: (error as Error).message })]);
+      tell([say("failed", { line: noticeOf(error) })]);
     }
   }
 
@@ -261,7 +262,7 @@ export class Player {
       // `fail` changes the state, which updates the page again. So it waits until the page shows this state.
       return queueMicrotask(() => {
         const now = studio.view.state;
-        if (isTouch(now.quantity) && !now.path) this.fail(say("skinNeedsPath"));
+        if (isTouch(now.quantity) && !now.path) this.fail(noticeOf(say("skinNeedsPath")));
       });
     }
     if (this.phase.name === "playing" || moving || (frame?.touch?.quantity ?? null) === quantity) return;

@@ -4,6 +4,7 @@ import { applyPalette, GIFEncoder, quantize } from "gifenc/dist/gifenc.esm.js";
 
 import { element } from "./dom.ts";
 import { save } from "./exchange.ts";
+import { refuse } from "../state/notice.ts";
 
 /** A rectangle of a canvas, in its own px. */
 export interface Part {
@@ -32,7 +33,7 @@ interface Recorder {
 
 function webm(film: HTMLCanvasElement): Recorder {
   const mimeType = globalThis.MediaRecorder && KINDS.find((kind) => MediaRecorder.isTypeSupported(kind));
-  if (!mimeType) throw new Error("this browser records no WebM: choose GIF, or take Chrome, Edge or Firefox");
+  if (!mimeType) return refuse("no-webm");
   const stream = film.captureStream(0);
   const recorder = new MediaRecorder(stream, { mimeType, videoBitsPerSecond: 8e6 });
   const parts: Blob[] = [];

@@ -7,6 +7,7 @@ import { wavelength } from "../work/lattices.ts";
 import { traced } from "../making/glyphs.ts";
 import { letters } from "../making/lettering.ts";
 import { placeOn } from "../state/plane.ts";
+import { noticeOf } from "../state/notice.ts";
 
 /** Size of a drawn shape, in m. */
 const SIZE = 0.06;
@@ -57,7 +58,7 @@ export function createShapes(context: Context): { root: HTMLElement } {
       const least = wavelength(studio.view.state) / 2;
       context.alarm(apart < least ? say("tooFine", { apart: (1000 * apart).toFixed(1), least: (1000 * least).toFixed(1) }) : "");
     } catch (error) {
-      context.alarm(say("failed", { line: (error as Error).message }));
+      context.alarm(say("failed", { line: noticeOf(error) }));
     }
   }
 

@@ -1,10 +1,12 @@
 /** Connection: to a board that plays the page's drives, and is turned off when the page is left or hidden. */
 
+import type { Notice } from "../state/notice.ts";
+
 /** "gone" means that the connection has failed or was closed. */
 export type ConnectionState = "off" | "playing" | "gone";
 
-/** Is called with each new state, and with one line if something failed. */
-export type Report = (state: ConnectionState, line: string) => void;
+/** Is called with each new state, and with a notice if something failed. */
+export type Report = (state: ConnectionState, notice?: Notice) => void;
 
 export abstract class Connection {
   state: ConnectionState = "off";
@@ -13,15 +15,15 @@ export abstract class Connection {
 
   /** Plays a drive (N of re, im) until the next one; if drives come too fast, only the newest is sent. */
   abstract play(drive: Float32Array): void;
-  /** Turns everything off at once, and reports a line; resolves when the board has accepted this. */
-  abstract off(line?: string): Promise<void>;
+  /** Turns everything off at once, and reports a notice; resolves when the board has accepted this. */
+  abstract off(notice?: Notice): Promise<void>;
   /** Turns everything off and ends the connection. */
   abstract close(): Promise<void>;
 
-  protected turn(next: ConnectionState, line = ""): void {
-    if (this.state === next && !line) return;
+  protected turn(next: ConnectionState, notice?: Notice): void {
+    if (this.state === next && !notice) return;
     this.state = next;
-    this.report(next, line);
+    this.report(next, notice);
   }
 }
 

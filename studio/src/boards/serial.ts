@@ -4,6 +4,7 @@
 // an Arduino restarts it.
 
 import type { BoardKind, Catalogue } from "../work/door.ts";
+import { type Notice, notice, noticeOf, refuse, Refusal } from "../state/notice.ts";
 import { Connection, type Report } from "./connection.ts";
 
 /** The used part of `SerialPort` of the Web Serial API. */
@@ -25,15 +26,18 @@ const STALLED = 1000;
 const MOST_AHEAD = 25;
 const BITS = 10;
 
-function reason(error: unknown): string {
-  return String(error instanceof Error ? error.message : error).replace(/\s+/g, " ").slice(0, 80);
+/** Returns a short notice of an error. */
+function reason(error: unknown): Notice {
+  const given = noticeOf(error);
+  const short = given.text.replace(/\s+/g, " ").slice(0, 80);
+  return { ...given, text: short, plain: short };
 }
 
 /** Returns a promise that fails if `promise` takes longer than `ms`. */
 async function within<T>(ms: number, promise: Promise<T>): Promise<T> {
   let timer: ReturnType<typeof setTimeout> | undefined;
   const late = new Promise<never>((_, fail) => {
-    timer = setTimeout(() => fail(new Error("it takes nothing")), ms);
+    timer = setTimeout(() => fail(new Refusal(notice("stalled"))), ms);
   });
   return Promise.race([promise, late]).finally(() => clearTimeout(timer));
 }
@@ -69,7 +73,7 @@ class Line extends Connection {
   ) {
     super(report);
     this.writer = port.writable!.getWriter();
-    port.addEventListener("disconnect", () => void this.lose("it was unplugged"));
+    port.addEventListener("disconnect", () => void this.lose(notice("unplugged")));
   }
 
   /** Silences the board, and once more after a restart. */
@@ -89,11 +93,11 @@ class Line extends Connection {
     this.pump ??= this.run();
   }
 
-  async off(line = ""): Promise<void> {
+  async off(given?: Notice): Promise<void> {
     if (this.state === "gone") return;
     this.waiting = null;
     this.era += 1;
-    this.turn("off", line);
+    this.turn("off", given);
     await this.give(this.silence);
   }
 
@@ -127,30 +131,30 @@ class Line extends Connection {
         const bytes = await this.encode(drive);
         if (era === this.era) await this.give(bytes);
       } catch (error) {
-        if (era === this.era) await this.off(`${this.board.name} cannot play this (${reason(error)}): it is off`);
+        if (era === this.era) await this.off(notice("unplayable", { item: this.board.name, value: reason(error) }));
       }
     }
     this.pump = null;
   }
 
   /** Ends after a failure of the port: drops bytes that were not sent, and tries to send silence once more. */
-  private async lose(why: string): Promise<void> {
+  private async lose(why: Notice): Promise<void> {
     if (this.state === "gone") return;
     this.state = "gone";
     this.waiting = null;
     this.era += 1;
-    let cure = "the board may still play, switch its supply off and connect again";
+    let code: "port-lost" | "port-gone" = "port-lost";
     try {
       await within(STALLED, this.writer.abort()).catch(() => {});
       this.writer.releaseLock();
       const last = this.port.writable!.getWriter();
       await within(STALLED, last.write(this.silence));
       last.releaseLock();
-      cure = "the board was turned off, connect again";
+      code = "port-gone";
     } catch {
       // The message below reports this failure.
     }
-    this.turn("gone", `the port of ${this.board.name} is gone (${why}): ${cure}`);
+    this.turn("gone", notice(code, { item: this.board.name, value: why }));
     await this.port.close().catch(() => {});
   }
 }
@@ -165,8 +169,7 @@ export async function connect(port: SerialPortLike, board: SerialBoard, encode: 
   try {
     await port.open({ baudRate: board.baud });
   } catch (error) {
-    const cure = "plug the board in and close the other program that holds it";
-    throw new Error(`the port of ${board.name} cannot be opened (${reason(error)}): ${cure}`);
+    refuse("port-shut", { item: board.name, value: reason(error) });
   }
   return new Line(port, board, encode, silence, report).begin();
 }

@@ -1,6 +1,7 @@
 /** Served: a board of `midair studio --on`. Python on this machine plays the page's drives. */
 
 import { Connection, type Report } from "./connection.ts";
+import { type Notice, notice, noticeOf } from "../state/notice.ts";
 import type { ArrayChoice } from "../state/types.ts";
 
 /** A board as the server describes it; its array is written as in scene files. */
@@ -40,11 +41,11 @@ export class Served extends Connection {
     if (!this.runs) void this.run();
   }
 
-  async off(line = ""): Promise<void> {
+  async off(notice?: Notice): Promise<void> {
     if (this.state === "gone") return;
     this.drive = null;
     this.wake();
-    this.turn("off", line);
+    this.turn("off", notice);
     await this.give(new Float32Array());
   }
 
@@ -67,7 +68,7 @@ export class Served extends Connection {
       return answer.ok ? "" : (await answer.text()).split("\n")[0];
     } catch {
       this.drive = null;
-      this.turn("gone", `midair studio, which has ${this.name}, is gone: the board is off, start it again`);
+      this.turn("gone", notice("studio-gone", { item: this.name }));
       return "";
     }
   }
@@ -77,7 +78,7 @@ export class Served extends Connection {
     while (this.drive) {
       const { drive } = this;
       const refused = await this.give(drive);
-      if (refused) await this.off(refused);
+      if (refused) await this.off(noticeOf(refused));
       if (this.drive !== drive) continue;
       await new Promise<void>((done) => {
         this.wake = done;

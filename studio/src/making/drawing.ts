@@ -1,6 +1,7 @@
 /** Drawing: the lines of an SVG, measured by the browser; only the SVG's geometry is used. */
 
 import { box, type Contour, placed } from "./contours.ts";
+import { refuse } from "../state/notice.ts";
 import type { Vec3 } from "../state/types.ts";
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -20,17 +21,13 @@ const MOST_ELEMENTS = 2000;
 /** The largest number of straight pieces, over all lines. */
 const MOST_PIECES = 20_000;
 
-function wrong(what: string): never {
-  throw new Error(`the drawing ${what}: give an SVG file with paths or basic shapes`);
-}
-
 /** Returns the root element of the text. No page shows this document, so it runs no script and loads nothing. */
 function parse(text: string): Element {
-  if (text.length > MOST_TEXT) wrong("is larger than 2 MB");
+  if (text.length > MOST_TEXT) refuse("drawing-large", { other: "2 MB" });
   const root = new DOMParser().parseFromString(text, "image/svg+xml").documentElement;
-  if (root.localName !== "svg" || root.querySelector("parsererror")) wrong("cannot be read");
-  if (root.querySelector("script, foreignObject")) wrong("has a script or a page in it");
-  if (root.querySelectorAll("*").length > MOST_ELEMENTS) wrong(`has more than ${MOST_ELEMENTS} elements`);
+  if (root.localName !== "svg" || root.querySelector("parsererror")) refuse("drawing-unreadable");
+  if (root.querySelector("script, foreignObject")) refuse("drawing-script");
+  if (root.querySelectorAll("*").length > MOST_ELEMENTS) refuse("drawing-elements", { other: MOST_ELEMENTS });
   return root;
 }
 
@@ -87,8 +84,8 @@ function outlines(text: string): Contour[] {
  */
 export function drawing(text: string, size: number, at: Vec3): Contour[] {
   const contours = outlines(text);
-  if (!contours.length) wrong("has no lines");
+  if (!contours.length) refuse("drawing-empty");
   const side = Math.max(...box(contours).map(([least, most]) => most - least));
-  if (!(side > 0 && side < Infinity)) wrong("has no size");
+  if (!(side > 0 && side < Infinity)) refuse("drawing-empty");
   return placed(contours, [size / side, -size / side], at);
 }

@@ -1,5 +1,7 @@
 /** Glyphs: draws a character, such as a kanji, in a font of the browser, and thins it to single strokes. */
 
+import { refuse } from "../state/notice.ts";
+
 /** Pixels along the side of a character's square. */
 const FINE = 72;
 
@@ -76,7 +78,7 @@ function lines(ink: Uint8Array): number[][] {
 export function traced(letter: string, height: number): number[][][] {
   const ink = inked(letter);
   const none = inked(NOWHERE);
-  if (!ink.includes(1) || ink.every((pixel, at) => pixel === none[at])) throw new Error(`the text has "${letter}", which no font here draws: give another`);
+  if (!ink.includes(1) || ink.every((pixel, at) => pixel === none[at])) refuse("letter-undrawn", { value: letter });
   thin(ink);
   const unit = height / FINE;
   return lines(ink).map((path) => path.filter((_, k) => k % STEP === 0 || k === path.length - 1).map((at) => [unit * ((at % ROW) - 0.5), unit * (FINE + 0.5 - Math.floor(at / ROW))]));

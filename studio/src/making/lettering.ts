@@ -3,6 +3,7 @@
 import { type Contour, placed } from "./contours.ts";
 import strokes from "./strokes.json";
 import type { Vec3 } from "../state/types.ts";
+import { refuse } from "../state/notice.ts";
 
 /** In units of `strokes.json`: height of a capital, gap between letters, width of a blank, gap between lines. */
 const HEIGHT = 6;
@@ -39,7 +40,7 @@ function word(text: string, trace: Trace): Line {
 }
 
 function refused(letter: string): never {
-  throw new Error(`the text has "${letter}": give A to Z, 0 to 9, blanks and - + = / . : ! ? ♥`);
+  return refuse("letter-unknown", { value: letter });
 }
 
 const shifted = (contours: Contour[], by: number, up: number) => contours.map((contour) => contour.map(([x, y, z]): Vec3 => [x + by, y + up, z]));
@@ -68,7 +69,7 @@ export function letters(text: string, height: number, width: number, at: Vec3, t
   const plain = text.trim().toUpperCase().split(/\s+/).filter(Boolean);
   const high = plain.some((each) => [...each].some((letter) => !Object.hasOwn(STROKES, letter))) ? LARGER * height : height;
   const words = plain.map((each) => word(each, trace));
-  if (!words.length) throw new Error("the text is empty: give at least a letter");
+  if (!words.length) refuse("text-empty");
   const widths = words.flatMap((_, k) => words.slice(k).map((_, n) => joined(words.slice(k, k + n + 1)).width));
   const ways = widths.map((most) => {
     const lines = wrapped(words, most);

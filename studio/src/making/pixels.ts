@@ -2,6 +2,7 @@
 
 import { placeOn } from "../state/plane.ts";
 import type { State, Vec3 } from "../state/types.ts";
+import { refuse } from "../state/notice.ts";
 
 /** A pixel below this part of white is dark and gives no point. */
 const DARK = 0.05;
@@ -34,16 +35,14 @@ function brightness(bitmap: ImageBitmap): (columns: number, rows: number) => num
 
 /** Returns at most `most` points on the slice, at least `pitch` m apart; the longer side of the picture is `size` m. */
 export async function pictured(file: Blob, plane: State["plane"], size: number, pitch: number, most: number): Promise<Pick<State, "points" | "pressures" | "filled">> {
-  const bitmap = await createImageBitmap(file).catch(() => {
-    throw new Error("it cannot be read as a picture: give a PNG or JPEG");
-  });
+  const bitmap = await createImageBitmap(file).catch(() => refuse("picture-unreadable"));
   const { width, height } = bitmap;
   const of = brightness(bitmap);
   for (let pixels = Math.max(1, Math.floor(size / pitch)); ; pixels -= 1) {
     const [columns, rows] = [width, height].map((side) => Math.max(1, Math.round((side * pixels) / Math.max(width, height))));
     const all = of(columns, rows).map((light, k) => ({ light, column: k % columns, row: Math.floor(k / columns) }));
     const lit = all.filter(({ light }) => light >= DARK);
-    if (!lit.length) throw new Error("it is dark everywhere (black or transparent): give white on black");
+    if (!lit.length) refuse("picture-dark");
     if (lit.length > most) continue;
     const step = size / pixels / plane.size;
     const points = lit.map(({ column, row }): Vec3 => placeOn(plane, 0.5 + (column - (columns - 1) / 2) * step, 0.5 - (row - (rows - 1) / 2) * step));

@@ -23,6 +23,7 @@ import { initial, MOST_POINTS } from "./initial.ts";
 import { isSignature } from "./signature.ts";
 import { AXES, LEVELS, QUANTITIES, SCALES, VIEWS } from "./types.ts";
 import type { Obstacle, State, Vec3 } from "./types.ts";
+import { refuse } from "./notice.ts";
 
 const QUANTIZATIONS = ["board", "none"] as const;
 const SLOTS = ["a", "b"] as const;
@@ -203,13 +204,13 @@ function read(fragment: string): State {
   return state;
 }
 
-/** Returns the state of a fragment (with or without #), or a message of one line about its fault. */
+/** Returns the state of a fragment (with or without #), or a message of one line about its fault. Throws for a broken "%". */
 export function readLink(fragment: string): State | string {
   try {
     return read(decodeURIComponent(fragment));
   } catch (error) {
     if (error instanceof Wrong) return error.message;
-    if (error instanceof URIError) return `the link has a broken "%": copy it once more`;
+    if (error instanceof URIError) refuse("link-broken");
     throw error;
   }
 }

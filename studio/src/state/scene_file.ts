@@ -2,6 +2,7 @@
 
 import keys from "../../../python/midair/_studio/keys.json";
 import { temperatureOf } from "./air.ts";
+import { type Notice, notice, Refusal } from "./notice.ts";
 import { middleOf, SIDES, through } from "./plane.ts";
 import { read, written } from "./signature.ts";
 import type { ArrayChoice, Axis, Obstacle, Slot, State, Vec3 } from "./types.ts";
@@ -67,20 +68,20 @@ export function sceneOf(state: State, slot: Slot): SceneFile {
  * Yields what a scene has and a state has not. `known` are the keys of states: true for any value; another value for this
  * value only; a table for a table with these keys; or, for a list, its largest length and the keys of each item.
  */
-export function* misfits(value: unknown, known: unknown, path = ""): Generator<string> {
-  const line = (of: unknown, fault: string) => `${path} is ${JSON.stringify(of)?.slice(0, 40)}: the page has ${fault}, use the package`;
+export function* misfits(value: unknown, known: unknown, path = ""): Generator<Notice> {
+  const lacks = (of: unknown, other: string) => notice("page-lacks", { item: path, value: JSON.stringify(of)?.slice(0, 40), other });
   if (Array.isArray(known)) {
     const [most, each] = known;
     const list = value as unknown[];
-    if (list.length > most) yield line(list.length, `at most ${most}`);
+    if (list.length > most) yield notice("page-most", { item: path, value: list.length, other: most });
     for (const [k, item] of list.entries()) yield* misfits(item, each, `${path}[${k}]`);
   } else if (typeof known === "object") {
     for (const [key, item] of Object.entries(value as object)) yield* misfits(item, (known as Record<string, unknown>)[key], path ? `${path}.${key}` : key);
-  } else if (known === undefined) yield line(value, "no place for it");
-  else if (known !== true && known !== value) yield line(value, String(known));
+  } else if (known === undefined) yield lacks(value, "no place for it");
+  else if (known !== true && known !== value) yield lacks(value, String(known));
 }
 
-function refuse(item: string, value: unknown, cure: string): never {
+function wrong(item: string, value: unknown, cure: string): never {
   throw new Error(`${item} is ${JSON.stringify(value).slice(0, 40)}: ${cure}`);
 }
 
@@ -90,7 +91,7 @@ function readArray({ preset, tiles = [1, 1], grid, positions, normals, ...parts 
   if (preset !== undefined) return { preset, tiles, ...more };
   const facing = (places: Vec3[]) => normals ?? places.map((): Vec3 => [0, 0, 1]);
   if (positions !== undefined) return { name: "array", positions, normals: facing(positions), ...more };
-  if (grid === undefined) return refuse("array", parts, "give a preset, a grid or positions");
+  if (grid === undefined) return wrong("array", parts, "give a preset, a grid or positions");
   const { nx, ny, pitch } = grid;
   const places = Array.from({ length: nx * ny }, (_, k): Vec3 => {
     const [i, j] = [k % nx, Math.floor(k / nx)];
@@ -108,14 +109,14 @@ function readPlane(scene: SceneFile, plane: State["plane"]): State["plane"] {
     return through({ ...plane, axis, size, ...(pixels && { pixels }) }, middle);
   }
   if (!scene.points.length) return plane;
-  if (scene.plane && Object.keys(scene.plane).length) refuse("plane", scene.plane, "give z, or axis and at");
+  if (scene.plane && Object.keys(scene.plane).length) wrong("plane", scene.plane, "give z, or axis and at");
   const along = (k: number) => scene.points.map(({ position }) => position[k]);
   const middle = (k: number) => rounded((Math.max(...along(k)) + Math.min(...along(k))) / 2);
   return { axis, z: scene.points[0].position[2], size, center: [middle(0), middle(1)] };
 }
 
 function readSignature(value: unknown): string {
-  return read(value) ?? refuse("signature", value, 'give "trap", "twin" or "vortex", or a list of these or "focus", one for each point');
+  return read(value) ?? wrong("signature", value, 'give "trap", "twin" or "vortex", or a list of these or "focus", one for each point');
 }
 
 /**
@@ -123,7 +124,7 @@ function readSignature(value: unknown): string {
  * `state`, except the path, which is null. Anything that a state does not have is rejected with a message of one line.
  */
 export function stateOf(scene: SceneFile, state: State): State {
-  for (const line of misfits(scene, keys)) throw new Error(line);
+  for (const each of misfits(scene, keys)) throw new Refusal(each);
   const { medium = {}, array, points, obstacles = [], signature = "", bead = null, solver } = scene;
   const methods: [string, string] = [...state.methods];
   const { name, ...options } = solver ?? { name: methods[state.slot] };

@@ -1,5 +1,6 @@
 /** The WebAssembly binding as functions on plain data. Errors are thrown with a message of one line. */
 
+import { type Notice, refuse, Refusal } from "../state/notice.ts";
 import type { OwnArray, Vec3 } from "../state/types.ts";
 
 /** A CSV file with more transducers is rejected. */
@@ -28,8 +29,8 @@ export interface Answer {
   pressures: [number, number][];
   /** re and im of each transducer's drive. */
   drive: Float32Array;
-  /** Warnings and notes about this result, one line each. */
-  said: string[];
+  /** Warnings about this result. */
+  said: Notice[];
 }
 
 /** The field at a place: p in Pa, its level in dB SPL, its radiation pressure on a rigid wall in Pa. */
@@ -119,7 +120,7 @@ export async function compile(bytes: BufferSource): Promise<WebAssembly.Module> 
   try {
     return await WebAssembly.compile(bytes);
   } catch (error) {
-    throw new Error(`this browser cannot run midair (${String(error)}): WebAssembly with SIMD is needed`);
+    refuse("no-simd", { value: String(error) });
   }
 }
 
@@ -141,11 +142,11 @@ export class Door {
     return JSON.parse(this.text());
   }
 
-  /** Opens the text of a scene file; returns warnings about probable mistakes, one line each. */
-  open(text: string, toml = false, scalar = false): string[] {
+  /** Opens the text of a scene file; returns warnings about probable mistakes. */
+  open(text: string, toml = false, scalar = false): Notice[] {
     this.giveText(text);
     this.call("open", Number(toml), Number(scalar));
-    return this.lines();
+    return JSON.parse(this.text());
   }
 
   /** Returns the scene as the command line writes it. */
@@ -166,19 +167,19 @@ export class Door {
    */
   move(points: readonly (readonly number[])[], pressures: readonly number[] = []): void {
     const odd = points.findIndex((point) => point.length !== 3);
-    if (odd >= 0) throw new Error(`points[${odd}] has ${points[odd].length} numbers: give x, y and z in m`);
+    if (odd >= 0) refuse("point-form", { item: odd, point: odd + 1, value: points[odd].length });
     this.giveNumbers([...points.flat(), ...pressures]);
     this.call("move", points.length);
   }
 
   solve(): Answer {
     this.call("solve");
-    const [all, [status, ...said]] = [this.numbers(), this.lines()];
+    const [all, { status, said }] = [this.numbers(), JSON.parse(this.text())];
     const points = Array.from({ length: (all.length - 8) / 3 }, (_, j) => all.subarray(8 + 3 * j, 11 + 3 * j));
     return {
       metrics: metrics(all),
       scale: all[6],
-      status: status as Answer["status"],
+      status,
       steps: all[7],
       targets: points.map(([target]) => target),
       pressures: points.map(([, re, im]) => [re, im]),
@@ -204,7 +205,7 @@ export class Door {
     this.call("read_array");
     const rows = places(this.numbers());
     const count = rows.length / 2;
-    if (count > MOST_TRANSDUCERS) throw new Error(`${name}: ${count} rows: give at most ${MOST_TRANSDUCERS}`);
+    if (count > MOST_TRANSDUCERS) refuse("rows", { value: count, other: MOST_TRANSDUCERS });
     return { name, positions: rows.slice(0, count), normals: rows.slice(count) };
   }
 
@@ -314,7 +315,7 @@ export class Door {
   }
 
   private call(job: string, ...inputs: number[]): void {
-    if (this.wasm[`studio_${job}`](this.studio, ...inputs)) throw new Error(this.text());
+    if (this.wasm[`studio_${job}`](this.studio, ...inputs)) throw new Refusal(JSON.parse(this.text()));
   }
 
   // A call can grow the memory, which detaches old views; so each view is made after the call.
@@ -325,7 +326,6 @@ export class Door {
   }
 
   private text = () => new TextDecoder().decode(new Uint8Array(...this.result(TEXT)));
-  private lines = () => this.text().split("\n").filter(Boolean);
   private numbers = () => new Float64Array(...this.result(NUMBERS)).slice();
   private bytes = () => new Uint8Array(...this.result(BYTES)).slice();
   private drive = () => new Float32Array(...this.result(DRIVE, 2)).slice();

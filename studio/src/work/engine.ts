@@ -1,6 +1,7 @@
 /** The engine: three workers. One for each slot solves and computes its slice; the third does slow work. */
 
 import { initial } from "../state/initial.ts";
+import { Refusal } from "../state/notice.ts";
 import { sceneOf } from "../state/scene_file.ts";
 import type { Catalogue } from "./door.ts";
 import type { Jobs } from "./solve.worker.ts";
@@ -27,7 +28,7 @@ function hand(worker: Worker): Hand {
     const { resolve, reject } = waiting.get(id)!;
     waiting.delete(id);
     if (refused === undefined) resolve(result);
-    else reject(new Error(refused));
+    else reject(new Refusal(refused));
   };
   worker.onerror = (event) => {
     waiting.forEach(({ reject }) => reject(new Error(event.message || "a worker could not be started")));

@@ -1,6 +1,7 @@
 /** The worker: WebAssembly scenes, and the jobs that the page requests. */
 
 import { type Answer, compile, Door } from "./door.ts";
+import { type Notice, noticeOf } from "../state/notice.ts";
 import type { SceneFile } from "../state/scene_file.ts";
 import type { Lattice, Vec3, Volume } from "../state/types.ts";
 
@@ -10,10 +11,10 @@ export type Grid = Omit<Lattice, "values">;
 /** A drive, and the factor that the supply voltage or modulation must apply. */
 export type Played = Pick<Answer, "drive" | "scale">;
 
-/** The outcome for a slot: its solution, its slices and |p| at the ear in Pa; or an error message. */
+/** The outcome for a slot: its solution, its slices and |p| at the ear in Pa; or an error. */
 export type Outcome =
-  | { answer: Answer; lattices: Lattice[]; atEar: number; warnings: string[] }
-  | { refused: string };
+  | { answer: Answer; lattices: Lattice[]; atEar: number; warnings: Notice[] }
+  | { refused: Notice };
 
 /**
  * Number of time measurements; duration of each in ms (solves are repeated, as a browser's clock has steps of 0.1 ms); and the
@@ -41,7 +42,7 @@ function places({ corner, u, v, nu, nv }: Grid): Float64Array {
   return all;
 }
 
-function open(scene: string): string[] {
+function open(scene: string): Notice[] {
   const warnings = door.open(scene);
   text = scene;
   return warnings;
@@ -56,7 +57,7 @@ function aside(scene: string, played?: { drive: Float32Array; scale?: number }):
 }
 
 /** Returns the outcome of a solution: its slices, and |p| at the ear; 0 if the scene shows no ear. */
-function looked(shown: Door, answer: Answer, warnings: string[], grids: Grid[], ear: Vec3 | null): Outcome {
+function looked(shown: Door, answer: Answer, warnings: Notice[], grids: Grid[], ear: Vec3 | null): Outcome {
   const [re, im] = ear ? shown.field(Float64Array.from(ear)) : [0, 0];
   const lattices = grids.map((grid) => ({ ...grid, values: shown.field(places(grid)) }));
   return { answer, warnings, lattices, atEar: Math.hypot(re, im) };
@@ -89,7 +90,7 @@ const jobs = {
       const shown = passing ? aside(scene) : door;
       return looked(shown, shown.solve(), warnings, grids, ear);
     } catch (error) {
-      return { refused: (error as Error).message };
+      return { refused: noticeOf(error) };
     }
   },
   /** Returns the time of a solve in ms: the median of five after a first one, of fewer if they take more than a second. */
@@ -179,6 +180,6 @@ self.onmessage = async ({ data: { id, job, inputs } }: MessageEvent) => {
   try {
     self.postMessage({ id, result: await (jobs[job as keyof Jobs] as (...all: unknown[]) => unknown)(...inputs) });
   } catch (error) {
-    self.postMessage({ id, refused: (error as Error).message });
+    self.postMessage({ id, refused: noticeOf(error) });
   }
 };

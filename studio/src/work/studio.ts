@@ -8,6 +8,7 @@ import { boxOf, gridOf } from "./lattices.ts";
 import { planesOf } from "../state/plane.ts";
 import { fits, signatureOf } from "../state/signature.ts";
 import type { Grid, Outcome } from "./solve.worker.ts";
+import type { Notice } from "../state/notice.ts";
 import type { Lattice, Slot, State, Touched, TouchQuantity, Vec3, Volume } from "../state/types.ts";
 
 /** The solution of a slot, or the reason why it has none. */
@@ -20,8 +21,8 @@ export interface Result {
   atEar: number;
   /** The time of a solve in ms; NaN until it is measured while nothing moves. */
   milliseconds: number;
-  refused: string;
-  warnings: string[];
+  refused: Notice | null;
+  warnings: Notice[];
 }
 
 /** Results that are shown instead of the solutions; null: the slot shows its own. */
@@ -69,7 +70,7 @@ const nothing = (): Result => ({
   crossing: [],
   atEar: 0,
   milliseconds: NaN,
-  refused: "",
+  refused: null,
   warnings: [],
 });
 
