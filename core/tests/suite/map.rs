@@ -53,3 +53,20 @@ fn the_map_names_every_file_and_what_is_in_it() {
         panic!("docs/map.md does not list the sources as they are: run `make generated` and commit docs/map.md");
     }
 }
+
+#[test]
+fn each_code_of_errors_is_listed() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/errors.md");
+    let text = fs::read_to_string(&page).expect("docs/errors.md").replace('\r', "");
+    let (head, table) = text.split_at(text.find("| code |").expect("a table of codes"));
+    let end = table.find("\n\n").map_or(table.len(), |end| end + 1);
+    let mut own = String::from("| code | meaning |\n|---|---|\n");
+    for (_, code, meaning) in midair::ErrorCode::ALL {
+        writeln!(own, "| `{code}` | {} |", meaning.trim_end_matches('.').replace('|', "\\|")).expect("text");
+    }
+    if std::env::var("MIDAIR_MAP").is_ok_and(|what| what == "write") {
+        fs::write(&page, format!("{head}{own}{}", &table[end..])).expect("written");
+    } else {
+        assert!(table[..end] == own, "docs/errors.md does not list the codes as they are: run `make generated` and commit it");
+    }
+}
