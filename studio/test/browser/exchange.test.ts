@@ -43,7 +43,7 @@ position = [0, 0, 0]
 radius = 1.2e-3
 density = 900
 [solver]
-name = "uniform"
+name = "greedy"
 seed = 3
 `;
 
@@ -52,7 +52,7 @@ test("a scene that is dropped in keeps its bead and options, in link and file; w
   await drop("scene.toml", SCENE);
   await expect.poll(points).toEqual([[0, 0, 0]]);
   const state = await page.evaluate(() => window.midair!.state());
-  expect(state).toMatchObject({ bead: { radius: 1.2e-3, density: 900 }, options: { uniform: { seed: 3 } }, signature: "trap" });
+  expect(state).toMatchObject({ bead: { radius: 1.2e-3, density: 900 }, options: { greedy: { seed: 3 } }, signature: "trap" });
   // The parts of an array that all such arrays have do not make it one's own.
   expect(await page.evaluate(() => window.midair!.permalink())).toMatch(/a=openmpd_pair\.1x1&.*&b=1\.2,900,[\d.]+,0,0,-9\.81&x=/);
   const [file] = await Promise.all([page.waitForEvent("download"), fromMenu(page, "Export scene")]);
