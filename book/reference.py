@@ -23,8 +23,8 @@ PYTHON = [
         "scenes",
         "Arrays and scenes",
         "A request: transducers, points, the air, and obstacles in it.",
-        f"Array presets PresetInfo Scene Bead Reach Plane {' '.join(midair._midair.bodies())} Mesh Propagation "
-        "SceneError SceneWarning",
+        f"Array presets PresetInfo Scene Bead Reach Plane {' '.join(midair._midair.bodies())} Mesh "
+        "Propagation SceneError SceneWarning",
     ),
     (
         "solving",

@@ -333,7 +333,9 @@ def run(
             places = (given.get("positions", array.positions), given.get("normals", array.normals))
             parts = {name: getattr(array, name) for name in _midair.array_parts()}
             array = Array(*(np.asarray(place, float) for place in places), **parts)
-        around = {} if isinstance(own, Array) else {"obstacles": own.obstacles, "bead": own.bead}
+        around: dict[str, Any] = (
+            {} if isinstance(own, Array) else {"obstacles": own.obstacles, "bead": own.bead}
+        )
         subject = Scene(array, points, **around, **air)
     drive = np.asarray(given["drive"])
     found = _midair.gradient(quantity, subject, drive, points, cotangent, bead)

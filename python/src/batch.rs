@@ -281,12 +281,11 @@ pub(crate) fn solve_batch(
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Batch> {
     let Setting { mut session, chosen, source } = Setting::read(scene, solver, options)?;
-    let (points, [count, size]) = match points_of(&session, points, "(B, M, 3)")? {
-        Some(points) => read::batch_of_points("points", points)?,
-        None => {
-            let size = session.given_points().unwrap_or_default();
-            (Vec::new(), [read::batch_size("pressures", pressures, size)?, size])
-        }
+    let (points, [count, size]) = if let Some(points) = points_of(&session, points, "(B, M, 3)")? {
+        read::batch_of_points("points", points)?
+    } else {
+        let size = session.given_points().unwrap_or_default();
+        (Vec::new(), [read::batch_size("pressures", pressures, size)?, size])
     };
     let given = pressures.map(|value| read::batch_of_pressures(value, [count, size])).transpose()?;
     let weights = weights.map(|value| read::batch_of_numbers("weights", value, [count, size])).transpose()?;

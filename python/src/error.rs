@@ -40,6 +40,11 @@ pyo3::create_exception!(
     pyo3::exceptions::PyUserWarning,
     "Request that is answered, but probably a mistake.
 
+Attributes
+----------
+code, item, value, cure, index
+    As for `SceneError`.
+
 Examples
 --------
 >>> import midair, warnings

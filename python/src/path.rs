@@ -56,7 +56,7 @@ impl Path {
     }
 
     /// Returns values of all points at some times.
-    fn each<'py, T: Send>(&self, times: &Bound<'py, PyAny>, of: fn(points::Moment) -> T) -> PyResult<Vec<T>> {
+    fn each<T: Send>(&self, times: &Bound<'_, PyAny>, of: fn(points::Moment) -> T) -> PyResult<Vec<T>> {
         let cure = "give a list of finite times in s";
         let given = numbers::<f64>("times", times, REAL, cure)?;
         if given.shape.len() != 1 || !given.values.iter().all(|time| time.is_finite()) {

@@ -135,6 +135,16 @@ def test_a_bead_that_begins_as_its_trap_moves_stays_with_it() -> None:
     np.testing.assert_allclose(nine.places[:, [0]], one.places, rtol=0, atol=1e-9)
 
 
+def test_the_bead_is_that_of_the_sequence() -> None:
+    boards = midair.Array.preset("openmpd_pair", quantization={})
+    bead = midair.Bead(radius=0.8e-3, density=400)
+    path = midair.path.circle([0, 0, 0], 5e-3, speed=0.1)
+    own = midair.sequence(boards, path, rate=500, signature="trap", bead=bead)
+    flight = midair.fly(own, duration=0.05)
+    np.testing.assert_array_equal(flight.places, midair.fly(own, duration=0.05, bead=bead).places)
+    assert not np.array_equal(flight.places, midair.fly(own, duration=0.05, bead={}).places)
+
+
 @pytest.mark.parametrize(
     ("keywords", "refusal"),
     [

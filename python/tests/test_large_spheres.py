@@ -85,9 +85,7 @@ def test_a_sphere_that_is_just_large_feels_nearly_what_a_small_one_does() -> Non
     place = [[0, 0, WAVELENGTH / 16]]
     for density in (4.0, 29.0, 1e6):
         sizes = np.array([0.1249, 0.1251]) * WAVELENGTH
-        small, large = (
-            midair.gorkov(scene, drive, place, bead=midair.Bead(a, density, 1e9)) for a in sizes
-        )
+        small, large = (midair.gorkov(scene, drive, place, bead=midair.Bead(a, density, 1e9)) for a in sizes)
         assert abs(large.force[0, 2] / small.force[0, 2] - 1) < 0.4
         assert abs(large.stiffness[0, 2] / small.stiffness[0, 2] - 1) < 0.4
 
@@ -95,7 +93,9 @@ def test_a_sphere_that_is_just_large_feels_nearly_what_a_small_one_does() -> Non
 def test_what_does_not_fit_is_refused() -> None:
     scene = midair.Scene(BOARD, [[0, 0, 0.02]])
     drive = np.ones(256, np.complex64)
-    with pytest.raises(midair.SceneError, match=r"bead\.radius is 0\.03: give at most 2\.55e-2, three wavelengths"):
+    with pytest.raises(
+        midair.SceneError, match=r"bead\.radius is 0\.03: give at most 2\.55e-2, three wavelengths"
+    ):
         midair.gorkov(scene, drive, bead={"radius": 0.03})
     with pytest.raises(midair.SceneError, match=r"points\[0\] .* leave 2\.2e-2 m for the sphere"):
         midair.gorkov(scene, drive, bead={"radius": 0.0219})

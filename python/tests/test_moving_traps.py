@@ -206,9 +206,7 @@ def test_traps_are_made_for_the_bead_of_the_scene() -> None:
     assert far < 0.15e-3 < 0.5 * farther
     assert not np.array_equal(other.drive, midair.solve(scene).drive)
     felt = midair.gorkov(scene, other.drive)
-    reported = midair.gorkov(
-        scene.replace(bead={}), other.drive, bead=bead
-    )
+    reported = midair.gorkov(scene.replace(bead={}), other.drive, bead=bead)
     assert felt == reported
     assert np.array_equal(
         midair.Solver(array, signature="trap", bead=bead)(points).drive, midair.solve(scene).drive

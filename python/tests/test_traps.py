@@ -1,5 +1,6 @@
 """Traps: signatures, Gor'kov's potential against finite differences, and the strength of traps."""
 
+import copy
 import pickle
 from typing import Any
 
@@ -46,7 +47,7 @@ def test_gorkov_is_what_differences_in_double_precision_give(directivity: Any, a
     array = midair.Array(positions, normals, response=response, directivity=directivity)
     scene = midair.Scene(array, points, absorption=absorption, signature="twin")
     particle = {"radius": 4e-4, "density": 40.0, "sound_speed": 1200.0}
-    found = midair.gorkov(scene, drive, **particle)
+    found = midair.gorkov(scene, drive, bead=particle)
     kind = directivity if isinstance(directivity, str) else next(iter(directivity.items()))
 
     def pressure(at: Real) -> Complex:
@@ -129,6 +130,18 @@ def test_forces_beside_a_body_are_the_slopes_of_the_field(body: str) -> None:
     assert abs(felt.force - force).max() < 1e-3 * abs(force).max()
     with pytest.raises(midair.SceneError, match="from an obstacle's surface: leave"):
         midair.gorkov(scene, drive, center + np.array([[0, 0, radius + 1e-5]]))
+
+
+def test_a_rest_and_a_bead_can_be_copied() -> None:
+    boards = midair.Array.preset("openmpd_pair", quantization={})
+    bead = midair.Bead(radius=0.5e-3, density=998, gravity=[0, -9.81, 0])
+    scene = midair.Scene(boards, [[0, 0, 0], [0, 0, 0.5]], signature="trap", bead=bead)
+    found = midair.solve(scene).rest()
+    for again in (pickle.loads(pickle.dumps(found)), copy.copy(found), copy.deepcopy(found)):
+        for name in ("place", "held", "stiffness", "axes", "basin", "restoring", "frequencies", "mass"):
+            np.testing.assert_array_equal(getattr(again, name), getattr(found, name))
+    assert pickle.loads(pickle.dumps(bead)) == copy.deepcopy(bead) == bead == eval(repr(bead), vars(midair))
+    assert len({bead, midair.Bead(), scene.bead}) == 2
 
 
 def test_beads_rest_where_the_net_force_is_0() -> None:
@@ -258,9 +271,9 @@ def test_what_cannot_be_a_trap_is_refused_in_one_line(tmp_path: Any) -> None:
         midair.solve(midair.Scene(array, array.positions[:1], signature="trap"))
     drive = np.ones(400)
     for keywords, reported in [
-        ({"radius": 0}, "radius is 0.0: give a number above 0"),
-        ({"density": np.inf}, "density is inf"),
-        ({"sound_speed": -1}, "sound_speed is -1.0"),
+        ({"bead": {"radius": 0}}, "bead.radius is 0.0: give a number above 0"),
+        ({"bead": {"density": np.inf}}, "bead.density is inf"),
+        ({"bead": {"sound_speed": -1}}, "bead.sound_speed is -1.0"),
         ({"points": [[0, 0, np.nan]]}, r"points[0] is"),
         ({"points": array.positions[7:8]}, "from transducer 7"),
     ]:

@@ -65,12 +65,11 @@ pub(super) fn path(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Path, Fault> 
 fn modulated(path: &Path, am: &Item<'_>) -> Result<Path, Fault> {
     let table = am.table()?;
     let depth = table.read("depth", Item::real)?.unwrap_or(1.0);
-    let modulation = match table.read("samples", Item::reals)? {
-        Some(samples) => Modulation::of_samples(samples, table.need("samples_rate")?.real()?, depth),
-        None => {
-            let shape = table.read("shape", Item::text)?.unwrap_or("sqrt");
-            Modulation::new(table.need("frequency")?.real()?, shape, depth)
-        }
+    let modulation = if let Some(samples) = table.read("samples", Item::reals)? {
+        Modulation::of_samples(samples, table.need("samples_rate")?.real()?, depth)
+    } else {
+        let shape = table.read("shape", Item::text)?.unwrap_or("sqrt");
+        Modulation::new(table.need("frequency")?.real()?, shape, depth)
     };
     modulation.and_then(|by| path.modulated(by)).map_err(|error| am.reported(error))
 }

@@ -129,13 +129,11 @@ impl Path {
 
     /// Returns the links of a chain; a path that is none is its only link.
     fn links(&self) -> Vec<Link> {
-        match &*self.course {
-            Course::Chain(links) => links.clone(),
-            _ => {
-                let (slots, idle) = ((0..self.points).map(Some).collect(), vec![[0.0; 3]; self.points]);
-                vec![Link { start: 0.0, path: self.clone(), slots, idle }]
-            }
+        if let Course::Chain(links) = &*self.course {
+            return links.clone();
         }
+        let (slots, idle) = ((0..self.points).map(Some).collect(), vec![[0.0; 3]; self.points]);
+        vec![Link { start: 0.0, path: self.clone(), slots, idle }]
     }
 }
 

@@ -13,8 +13,8 @@ type Shape = fn(f64) -> f64;
 
 /// The shapes. The force on a hand is proportional to the square of the pressure: with "sqrt" it has one line in its spectrum.
 const SHAPES: [(&str, Shape); 3] = [
-    ("sqrt", |periods| math::sqrt((1.0 + math::cos(TAU * periods)) / 2.0)),
-    ("cosine", |periods| (1.0 + math::cos(TAU * periods)) / 2.0),
+    ("sqrt", |periods| math::sqrt(f64::midpoint(1.0, math::cos(TAU * periods)))),
+    ("cosine", |periods| f64::midpoint(1.0, math::cos(TAU * periods))),
     ("square", |periods| f64::from(u8::from((periods + ROUNDING) % 1.0 < 0.5))),
 ];
 

@@ -34,7 +34,7 @@ pub fn hand(points: &[[f64; 3]], array: &Array, margin: f64, pixels: usize) -> R
         (along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max))
     };
     let sides = [0, 1, 2].map(side);
-    let middle = sides.map(|(least, most)| (least + most) / 2.0);
+    let middle = sides.map(|(least, most)| f64::midpoint(least, most));
     let positions = array.positions();
     let away = [0, 1, 2].map(|axis| {
         let mean = positions.iter().map(|position| position[axis]).sum::<f64>() / positions.len() as f64;

@@ -67,6 +67,9 @@ fn each_code_of_errors_is_listed() {
     if std::env::var("MIDAIR_MAP").is_ok_and(|what| what == "write") {
         fs::write(&page, format!("{head}{own}{}", &table[end..])).expect("written");
     } else {
-        assert!(table[..end] == own, "docs/errors.md does not list the codes as they are: run `make generated` and commit it");
+        assert!(
+            table[..end] == own,
+            "docs/errors.md does not list the codes as they are: run `make generated` and commit it"
+        );
     }
 }

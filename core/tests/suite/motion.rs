@@ -227,7 +227,7 @@ fn frames_that_do_not_fit_and_points_that_are_not_there() {
     let points = circles(2);
     let mut drives = vec![Complex32::ONE; 2 * SIDE * SIDE];
     let mut follow = |points: &[[f64; 3]], targets: Option<&[f64]>| {
-        let frames = Frames { points, targets, count: COUNT, margin: 0 };
+        let frames = Frames { points, targets, count: COUNT, margin: 0, first: 0 };
         session.follow(frames, &mut SolveRequest::default(), &mut drives, &mut Control::none()).map(|()| drives.clone())
     };
     assert!(follow(&points[1..], None).is_err());

@@ -194,5 +194,6 @@ def warn_of_pull(sequence: JudgedFrames) -> None:
             text = (
                 f"point {j + 1} takes {size[worst]:.3g} m/s^2 in frame {frame}, more than its trap can give"
             )
-            warn(f"{text} a bead of {1e3 * scene.bead.radius:.3g} mm radius: go slower, or by midair.path.fastest")
+            radius = f"{1e3 * scene.bead.radius:.3g} mm radius"
+            warn(f"{text} a bead of {radius}: go slower, or by midair.path.fastest")
             return

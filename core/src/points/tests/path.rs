@@ -48,9 +48,10 @@ fn frames_are_met_exactly_and_straight_between() {
 
 #[test]
 fn a_modulation_is_its_formula_and_fits_a_closed_path() {
-    let waves: [(&str, fn(f64) -> f64); 3] = [
-        ("sqrt", |x| ((1.0 + (TAU * x).cos()) / 2.0).sqrt()),
-        ("cosine", |x| (1.0 + (TAU * x).cos()) / 2.0),
+    type Wave = fn(f64) -> f64;
+    let waves: [(&str, Wave); 3] = [
+        ("sqrt", |x| f64::midpoint(1.0, (TAU * x).cos()).sqrt()),
+        ("cosine", |x| f64::midpoint(1.0, (TAU * x).cos())),
         ("square", |x| if (x % 1.0) < 0.5 - 1e-9 || x % 1.0 > 1.0 - 1e-9 { 1.0 } else { 0.0 }),
     ];
     for (shape, wave) in waves {
