@@ -33,13 +33,11 @@ impl State {
 
 /// Returns a range of frames; rejects one with no frames or beyond the last.
 fn range(moving: &Moving, first: usize, count: usize) -> Result<Range<usize>, Error> {
-    match first.checked_add(count).filter(|&end| count > 0 && end <= moving.frames()) {
-        Some(end) => Ok(first..end),
-        None => {
-            let cure = format!("the motion has {}, give some of them", moving.frames());
-            Err(Error::invalid("frames", format!("{count} from {first} on"), cure))
-        }
+    if let Some(end) = first.checked_add(count).filter(|&end| count > 0 && end <= moving.frames()) {
+        return Ok(first..end);
     }
+    let cure = format!("the motion has {}, give some of them", moving.frames());
+    Err(Error::invalid("frames", format!("{count} from {first} on"), cure))
 }
 
 /// Writes to motion the number of frames, and more, of a session that was made from a scene file with [motion].
