@@ -17,7 +17,7 @@ SHOWN := naive,greedy,uniform
 BUILT := $(or $(CARGO_TARGET_DIR),target)/release
 PREFIX := /usr/local
 CODE := python capi bench book firmware fuzz gateware examples
-RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml $(shell find core/src python/src python/stubs -name '*.rs')
+RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml python/build.rs $(wildcard python/stubs/*.py) $(shell find core/src python/src -name '*.rs')
 
 # A step prints its name, with the expected time on two cores without earlier builds; then the time that it took, or its
 # name again if it fails.
@@ -225,7 +225,7 @@ book/.venv/ready studio/.venv/ready: %/.venv/ready: %/requirements.txt .venv/rea
 generated: stubs schema api map header ## Write all generated files anew, except those that need a word: golden and pins
 
 stubs: .venv/extension # python/midair/_keywords.pyi
-	$(PYTHON) python/stubs.py
+	$(PYTHON) python/stubs/keywords.py
 
 schema: .venv/extension # docs/*.schema.json, docs/columns.md, fuzz/*.dict
 	$(PYTHON) book/schema.py

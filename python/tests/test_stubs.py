@@ -12,7 +12,7 @@ from mypy import api
 import midair
 
 ROOT = Path(__file__).parents[2]
-MADE = runpy.run_path(str(ROOT / "python" / "stubs.py"))
+MADE = runpy.run_path(str(ROOT / "python" / "stubs" / "keywords.py"))
 
 #: Calls: a type checker must reject the lines with `# wrong` and accept all others.
 CALLS = """

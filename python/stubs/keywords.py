@@ -1,7 +1,7 @@
 """Writes the type stubs of keywords that the core declares: `make generated`.
 
 For each solver there is a TypedDict of its options: editors complete the options, and type checkers reject
-options that the solver does not have. python/stubs makes the other stubs at each build.
+options that the solver does not have. `__main__.py` makes the other stubs at each build.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import midair
 
-STUB = Path(__file__).parent / "midair" / "_keywords.pyi"
+STUB = Path(__file__).parents[1] / "midair" / "_keywords.pyi"
 
 KEYWORDS = '''"""Keywords that the core declares: of the air, of arrays, of scenes and of each solver.
 Made by `make generated`.
