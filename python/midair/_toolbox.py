@@ -15,7 +15,7 @@ from ._midair import Array, Batch, Field, Scene, Solution
 from ._support import slips
 from ._support.slips import Later
 
-#: Public names by the module that contains them. A package without names is itself the public name.
+#: Public names by the module that contains them. A module without names is itself the public name.
 HOMES = {
     "_boards.address": "Port ports",
     "_boards.board": "Board",
@@ -34,6 +34,9 @@ HOMES = {
     "_measuring.player": "Fault Report Tuning",
     "_measuring.result": "Calibration",
     "_measuring.tune": "tune",
+    "_midair": "Array Batch BatchMetrics Bead Field Gorkov Mesh Metrics OptionInfo Plane PresetInfo "
+    "Propagation Reach Rest Scene SceneError SceneWarning Solution Solver SolverInfo Sphere "
+    "Wall bound field gorkov judge presets rest solve solve_batch",
     "_pictures.notebook": "solvers",
     "_pictures.plot": "plot",
     "_pictures.figures": "style",
@@ -50,6 +53,9 @@ HOMES = {
     "shape": "",
     "torch": "",
 }
+
+#: All public names.
+NAMES = sorted(name for home, names in HOMES.items() for name in names.split() or [home])
 
 #: Methods by class: `solution.exposure(places)` calls `midair.exposure(solution, places)`.
 METHODS: dict[type, dict[str, Later]] = {
@@ -161,5 +167,6 @@ def attach() -> None:
         for name, method in methods.items():
             method.__set_name__(owner, name)
             setattr(owner, name, method)
-    slips.attach("midair")
+    for name in HOMES["_midair"].split():
+        getattr(sys.modules["midair"], name)
     _midair.register(sys.modules[__name__])

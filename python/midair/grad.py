@@ -18,7 +18,7 @@ Examples
 """
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -324,9 +324,9 @@ def run(
     points = np.asarray(given["points"], float)
     subject = scene
     if given.keys() - {"drive", "points"}:
-        own = scene.scene if isinstance(scene, Solution) else scene
-        array: Any = own if isinstance(own, Array) else cast(Scene, own).array
-        air = dict(cast(Any, own).medium)
+        own: Any = scene.scene if isinstance(scene, Solution) else scene
+        array: Any = own if isinstance(own, Array) else own.array
+        air = dict(own.medium)
         if "sound_speed" in given:
             air["sound_speed"] = float(given["sound_speed"])
         if given.keys() & {"positions", "normals"}:

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import midair
-from test_boards_connection import frames
-from test_boards_connection import loop as loop
+from test_boards_connection import frames, loop as loop
 
 
 @pytest.mark.parametrize("drive", [np.linspace(0, 1, 256), [7] * 256, np.full(256, 0.5, np.float32)])

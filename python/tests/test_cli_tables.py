@@ -14,8 +14,7 @@ import pytest
 import midair
 from midair._cli import main, tables
 from midair._cli.app import TABLES
-from midair._judging.compare import cells as compare_cells
-from midair._judging.compare import sentence
+from midair._judging.compare import cells as compare_cells, sentence
 from midair._support import text
 from scenes import small
 

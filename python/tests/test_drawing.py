@@ -9,8 +9,7 @@ import pytest
 from PIL import Image
 
 import midair
-from midair import _cli as cli
-from midair import shape
+from midair import _cli as cli, shape
 from midair._midair import scene_files
 from midair._pictures.answer import answer, nearest_points
 

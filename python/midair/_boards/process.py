@@ -9,8 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import Future, InvalidStateError, wait
-from concurrent.futures import TimeoutError as NoAnswer
+from concurrent.futures import Future, InvalidStateError, TimeoutError as NoAnswer, wait
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module

@@ -14,8 +14,7 @@ from .. import Board, Connection, Scene, SceneError, calibrate, connect, doctor
 from .._boards.address import DEFAULT, parse
 from .._measuring import microphone as microphones
 from .._measuring.calibrate import places_of
-from .._measuring.doctor import LISTEN
-from .._measuring.doctor import plan as planned
+from .._measuring.doctor import LISTEN, plan as planned
 from .._measuring.player import REPORTS
 from .._measuring.result import ENDINGS
 from .._midair import restated, stated

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from inspect import Parameter as Argument
-from inspect import signature, unwrap
+from inspect import Parameter as Argument, signature, unwrap
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, cast, get_type_hints
 

@@ -15,8 +15,7 @@ from .._pictures.colours import Quantity
 from .._support import output
 from .._support.ctrl_c import interruptible
 from .keywords import Json, Numbers, OutputFile, Places, SolverName
-from .progress import progress_bar
-from .progress import tell as say
+from .progress import progress_bar, tell as say
 from .scene import STANDARD, SceneFile, check_outputs, typed_scene
 from .tables import beside, print_field, print_solutions, print_written, write_image
 

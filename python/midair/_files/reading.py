@@ -15,8 +15,7 @@ from .._midair import Array, SceneError, Solution, array_parts, drive_from_csv, 
 from .._sequence import Sequence
 from .._support.arguments import path_of
 from .._support.text import content, fault, number, rows, text, unpacked
-from . import acoustools, autd3, control_points, handybeam, record, ultraino, xml
-from . import played as board_frames
+from . import acoustools, autd3, control_points, handybeam, played as board_frames, record, ultraino, xml
 from .control_points import ControlPoints
 from .played import known
 

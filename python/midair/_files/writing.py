@@ -13,8 +13,7 @@ from .._sequence.files import whole
 from .._support import output
 from .._support.arguments import path_of, refused, shown, word
 from ..path import Path
-from . import acoustools, control_points, record, ultraino
-from . import played as board_frames
+from . import acoustools, control_points, played as board_frames, record, ultraino
 from .control_points import ControlPoints
 from .played import Played, known, played
 

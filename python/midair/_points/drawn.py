@@ -122,7 +122,7 @@ def mesh(keys: str, folder: Path | None) -> tuple[Points, Faces]:
 def outline(keys: str, folder: Path | None) -> tuple[Points, bool]:
     """Return the vertices (K, 3) of a drawing's outline, and whether it is closed; `keys` is its TOML."""
     given = tomllib.loads(keys)
-    own = {key: given[key] for key in ("file", "size", "z") if key in given}
+    own: dict[str, Any] = {key: given[key] for key in ("file", "size", "z") if key in given}
     found: tuple[Points, bool] = called(one_outline, "svg", own, folder)
     return found
 

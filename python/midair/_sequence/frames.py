@@ -13,8 +13,7 @@ from .._midair import Array, Scene, scene_keys
 from .._pictures.notebook import sequence
 from .._support import output
 from .._support.arguments import flag, number, word
-from . import arguments
-from . import drives as driven
+from . import arguments, drives as driven
 
 #: Names of the arguments for the air, for obstacles in it, and for the kind of points.
 AIR = (*scene_keys()["medium"], "obstacles", "signature", "bead")

@@ -1,7 +1,7 @@
 """Mistyped arguments: a call with an unknown keyword gets an error of one line with a hint.
 
-`attach` wraps the names of a package's `__all__` once, when the package is loaded. A successful call costs
-one more Python frame. Signatures and docstrings do not change.
+`guided` wraps each public name once, when it is loaded. A successful call costs one more Python frame.
+Signatures and docstrings do not change.
 """
 
 from __future__ import annotations
@@ -28,11 +28,10 @@ NAMED = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY
 
 
 def attach(package: str) -> None:
-    """Wrap the functions and classes of a package's `__all__` that are already loaded."""
+    """Wrap the functions and classes of a package's `__all__`."""
     module = sys.modules[package]
     for key in module.__all__:
-        if key in vars(module):
-            setattr(module, key, guided(getattr(module, key), f"{package}.{key}"))
+        setattr(module, key, guided(getattr(module, key), f"{package}.{key}"))
 
 
 def guided(value: Any, name: str) -> Any:

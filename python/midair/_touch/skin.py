@@ -11,8 +11,18 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import HIGHEST, REACH, Mesh, Plane, decibels, excess, felt_width, live_lines, strength
-from .._midair import hand as hand_through
+from .._midair import (
+    HIGHEST,
+    REACH,
+    Mesh,
+    Plane,
+    decibels,
+    excess,
+    felt_width,
+    hand as hand_through,
+    live_lines,
+    strength,
+)
 from .._pictures.colours import MAPS
 from .._sequence import Sequence, arguments
 from .._sequence.felt import threshold
