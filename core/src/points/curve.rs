@@ -116,7 +116,7 @@ impl Curve {
         if !size.iter().all(|&side| (0.0..f64::INFINITY).contains(&side)) || size == [0.0; 2] {
             return Err(Error::invalid("size", format_args!("{size:?}"), "give (width, height) in m, not both 0"));
         }
-        if !ratio.iter().all(|&lobes| lobes.fract() == 0.0 && (1.0..=MOST_LOBES).contains(&lobes)) {
+        if !ratio.iter().all(|&lobes| lobes % 1.0 == 0.0 && (1.0..=MOST_LOBES).contains(&lobes)) {
             let cure = format!("give two whole numbers from 1 to {MOST_LOBES}");
             return Err(Error::invalid("ratio", format_args!("{ratio:?}"), cure));
         }
