@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 words=$(mktemp)
 trap 'rm -f "$words"' EXIT
 sed -nE 's/^\| `(\w+)` \| (.*) \|$/\1->\2,/p; s/^\| `(\w+)`, `(\w+)` \| (.*) \|$/\1->\3,\n\2->\3,/p' docs/style.md > "$words"
-names='held[ _-]out|\.held\b|\bheld[:(]|"held"|(of|of \w+|\}|beads) held\b|::Held\b|\bHeld,|lone leading surrogate'
+names='held[ _-]out|\.held\b|\bheld[:(]|"held"|(of|of \w+|\}|beads) held\b|\bheld, stiffness\b|::Held\b|\bHeld,|lone leading surrogate'
 find() { git ls-files -z "$@" | xargs -0 "${CODESPELL:-.venv/bin/codespell}" --skip '' --quiet-level 3 -D "$words" --regex '[A-Za-z]+' --ignore-regex "$ignored"; }
 ignored=$names
 find '*.c' '*.cpp' '*.cs' '*.h' '*.hpp' '*.mjs' '*.py' '*.pyi' '*.rs' '*.sh' '*.toml' '*.ts' '*.vhd' '*.yml' ':!book/words.sh'

@@ -46,7 +46,7 @@ class Talk:
             self._client.say(json.dumps(answer))
 
     async def report(self) -> None:
-        """Greet the client, then send the metrics as often as it has asked for."""
+        """Greet the client, then send the metrics as often as it requested."""
         board = self._live.connection.board
         greeting = {"board": board.name, "transducers": len(board.array), "rate": self._live.rate}
         self._client.say(json.dumps({**greeting, "silence": SILENCE}))
