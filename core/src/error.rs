@@ -374,17 +374,17 @@ fn edits(a: &[char], b: &[char]) -> usize {
 
 /// Returns the entry with this name from a list; case, "-" and "_" do not matter.
 pub(crate) fn find<'a, T>(kind: &str, name: &str, list: &'a [T], of: impl Fn(&T) -> &str) -> Result<&'a T, Error> {
-    let found = list.iter().find(|entry| same_name(of(entry), name));
-    found.ok_or_else(|| Error::unknown(kind, name, list.iter().map(of)))
+    let entry = list.iter().find(|entry| same_name(of(entry), name));
+    entry.ok_or_else(|| Error::unknown(kind, name, list.iter().map(of)))
 }
 
 /// Checks that there are `count` entries, one for each of `owners`; `found` is their number.
-pub(crate) fn one_each(item: &str, found: usize, entries: &str, count: usize, owners: &str) -> Result<(), Error> {
-    if found == count {
+pub(crate) fn one_each(item: &str, length: usize, entries: &str, count: usize, owners: &str) -> Result<(), Error> {
+    if length == count {
         return Ok(());
     }
     let cure = format!("give one for each of the {count} {owners}");
-    Err(Error::new(ErrorCode::Shape, item, format!("{found} {entries}"), cure))
+    Err(Error::new(ErrorCode::Shape, item, format!("{length} {entries}"), cure))
 }
 
 /// Returns `value` if it is finite and at least `least` (above it if `strict`); else an error that names `item`.

@@ -130,9 +130,9 @@ impl Board {
     /// Another number of entries, one that is not finite.
     pub fn with_corrections(mut self, corrections: &[f64]) -> Result<Self, Error> {
         self.one_a_drive("corrections", corrections.len())?;
-        for (i, (own, &correction)) in self.corrections.iter_mut().zip(corrections).enumerate() {
+        for (i, (entry, &correction)) in self.corrections.iter_mut().zip(corrections).enumerate() {
             let turns = error::real(&format!("corrections[{i}]"), correction, f64::MIN, false)? / TAU;
-            *own = turns - math::floor(turns);
+            *entry = turns - math::floor(turns);
         }
         Ok(self)
     }
@@ -177,9 +177,9 @@ impl Board {
     }
 
     /// Checks that a list has one value for each drive.
-    fn one_a_drive(&self, item: &str, found: usize) -> Result<(), Error> {
+    fn one_a_drive(&self, item: &str, length: usize) -> Result<(), Error> {
         let owners = if self.wiring.is_some() { "channels of the array" } else { "transducers" };
-        one_each(item, found, "of them", self.live.len(), owners)
+        one_each(item, length, "of them", self.live.len(), owners)
     }
 
     /// The number of boards.
@@ -235,8 +235,8 @@ impl Board {
     /// are not a whole number of steps; arrays made from the board's preset have it. Whole steps are corrected in the bytes.
     #[must_use]
     pub fn response(&self) -> Option<Vec<Complex64>> {
-        let own = self.format.response(self.channels.iter().copied())?;
-        Some(self.wiring.as_ref().map_or_else(|| own.clone(), |wiring| wiring.spread(&own)))
+        let response = self.format.response(self.channels.iter().copied())?;
+        Some(self.wiring.as_ref().map_or_else(|| response.clone(), |wiring| wiring.spread(&response)))
     }
 
     /// Bits per second on a serial line; `None` for other links.
@@ -305,17 +305,17 @@ impl Board {
     /// A frame that the board would not accept, by its first wrong byte; another number of drives.
     pub fn decode(&self, frame: &[u8], drive: &mut [Complex32]) -> Result<(), Error> {
         one_each("drive", drive.len(), "of them", self.len(), "transducers")?;
-        let mut own = vec![Complex32::ZERO; self.live.len()];
+        let mut channels = vec![Complex32::ZERO; self.live.len()];
         (self.format.decode)(self.boards, frame, &mut |channel, code| {
             if let Some(k) = self.driven[channel] {
                 let late = self.late(k);
-                own[k] = match &self.pulses {
+                channels[k] = match &self.pulses {
                     Some(pulses) => pulse(pulses, code, late),
                     None => self.format.steps.drive(code, late),
                 };
             }
         })?;
-        drive.copy_from_slice(&self.wiring.as_ref().map_or(own.clone(), |wiring| wiring.spread(&own)));
+        drive.copy_from_slice(&self.wiring.as_ref().map_or(channels.clone(), |wiring| wiring.spread(&channels)));
         Ok(())
     }
 

@@ -55,8 +55,8 @@ impl Channels {
             let cure = format!("number them 0 to C - 1: no transducer is on channel {gap}");
             return Err(Error::invalid("array.channels", format!("up to {}", count - 1), cure));
         }
-        let own = channels.iter().enumerate().all(|(i, &channel)| i == channel);
-        Ok((!own).then(|| Self { of: channels.into(), first: first.into_iter().flatten().collect() }))
+        let identity = channels.iter().enumerate().all(|(i, &channel)| i == channel);
+        Ok((!identity).then(|| Self { of: channels.into(), first: first.into_iter().flatten().collect() }))
     }
 
     /// The channel of each transducer (N,).

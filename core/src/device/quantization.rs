@@ -110,16 +110,14 @@ impl Quantization {
     /// # Errors
     /// Other phases or amplitudes.
     pub fn agreeing(self, phases: Option<u32>, amplitudes: Option<&[f64]>) -> Result<Self, Error> {
-        let same = |own: &[f64], given: &[f64]| {
-            own.len() == given.len() && own.iter().zip(given).all(|(own, given)| (own - given).abs() < 1e-9)
-        };
+        let same = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(x, y)| (x - y).abs() < 1e-9);
         let cure = "leave them out: pulses have them";
         if let Some(count) = phases.filter(|_| phases != self.phases()) {
             return Err(Error::invalid("array.quantization.phases", count, cure));
         }
         match (amplitudes, self.amplitudes()) {
-            (Some(given), Some(own)) if !same(own, given) => {
-                Err(Error::shape("array.quantization.amplitudes", format!("{} of them", given.len()), cure))
+            (Some(levels), Some(table)) if !same(table, levels) => {
+                Err(Error::shape("array.quantization.amplitudes", format!("{} of them", levels.len()), cure))
             }
             _ => Ok(self),
         }

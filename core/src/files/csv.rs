@@ -64,8 +64,8 @@ pub fn read_table(bytes: &[u8], name: &str, columns: Columns<'_>) -> Result<Tabl
         let cells = cells(line);
         if chosen.is_none() {
             let header = cells[0].parse::<f64>().is_err();
-            let found = if header { columns.named(&cells) } else { columns.counted(cells.len()) };
-            chosen = Some(found.map_err(refused)?);
+            let choice = if header { columns.named(&cells) } else { columns.counted(cells.len()) };
+            chosen = Some(choice.map_err(refused)?);
             if header {
                 continue;
             }

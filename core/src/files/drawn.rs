@@ -58,12 +58,12 @@ pub(super) fn tables(document: &Node) -> impl Iterator<Item = &Node> {
 
 /// Draws all tables of shapes and images.
 pub(super) fn drawn(root: &Table<'_>, draw: &mut Draw<'_>) -> Result<Vec<Drawn>, Fault> {
-    let mut found = Vec::new();
+    let mut drawings = Vec::new();
     for name in NAMES {
         let Some(item) = root.get(name) else { continue };
-        found.extend(each(name, item, draw)?);
+        drawings.extend(each(name, item, draw)?);
     }
-    Ok(found)
+    Ok(drawings)
 }
 
 /// Returns a table, or each of a list of tables.

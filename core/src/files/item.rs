@@ -181,8 +181,8 @@ impl<'a> Table<'a> {
 
     /// The numbers of the given keys among `keys`, each with its name.
     pub(super) fn reals(&self, keys: &[Key]) -> Result<Vec<(&'static str, f64)>, Fault> {
-        let given = keys.iter().filter_map(|key| self.get(key.name).map(|item| (key.name, item)));
-        given.map(|(name, item)| Ok((name, item.real()?))).collect()
+        let items = keys.iter().filter_map(|key| self.get(key.name).map(|item| (key.name, item)));
+        items.map(|(name, item)| Ok((name, item.real()?))).collect()
     }
 
     /// The value of a required key.

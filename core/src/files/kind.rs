@@ -16,15 +16,15 @@ pub(super) type Kind = (&'static str, &'static [&'static str], &'static [&'stati
 pub(super) fn of<'a>(item: &Item<'a>, kinds: &[Kind], common: &[&str]) -> Result<(&'static str, Table<'a>), Fault> {
     let table = item.table()?;
     let names = || kinds.iter().map(|(name, ..)| *name).collect::<Vec<_>>().join(", ");
-    let Some(given) = table.get("kind") else { return Err(left_out(item, "kind", format!("give one of {}", names()))) };
-    let name = given.text()?;
+    let Some(kind) = table.get("kind") else { return Err(left_out(item, "kind", format!("give one of {}", names()))) };
+    let name = kind.text()?;
     let Some(&(name, needed, others)) = kinds.iter().find(|(known, ..)| *known == name) else {
-        return Err(given.refused(&format!("give one of {}", names())));
+        return Err(kind.refused(&format!("give one of {}", names())));
     };
-    let own: Vec<&str> = needed.iter().chain(others).copied().collect();
+    let keys: Vec<&str> = needed.iter().chain(others).copied().collect();
     for (key, _) in table.entries.iter().filter(|(_, node)| *node != Node::Null) {
-        if key != "kind" && !common.contains(&&**key) && !own.contains(&&**key) {
-            let cure = format!("{name} has {}, leave it out", [&own, common].concat().join(", "));
+        if key != "kind" && !common.contains(&&**key) && !keys.contains(&&**key) {
+            let cure = format!("{name} has {}, leave it out", [&keys, common].concat().join(", "));
             return Err(table.need(key)?.refused(&cure));
         }
     }

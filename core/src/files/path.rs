@@ -77,12 +77,12 @@ fn modulated(path: &Path, am: &Item<'_>) -> Result<Path, Fault> {
 fn moving(kind: &str, item: &Item<'_>, table: &Table<'_>, draw: &mut Draw<'_>) -> Result<Path, Fault> {
     let real = |key: &str| table.read(key, Item::real);
     let flag = |key: &str| table.read(key, Item::flag).map(Option::unwrap_or_default);
-    let pressures = |given: Item<'_>| match given.node {
+    let pressures = |entry: Item<'_>| match entry.node {
         Node::Text(_) | Node::Bool(_) | Node::Table(_) => {
-            Err(given.refused("give a number in Pa, or one for each point"))
+            Err(entry.refused("give a number in Pa, or one for each point"))
         }
-        single if single.real().is_some() => Ok(Vec::from([given.real()?])),
-        _ => given.reals(),
+        single if single.real().is_some() => Ok(Vec::from([entry.real()?])),
+        _ => entry.reals(),
     };
     let pressures = table.get("pressure").or(table.get("pressures")).map(pressures).transpose()?;
     let pressures = pressures.as_deref();

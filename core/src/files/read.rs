@@ -79,12 +79,12 @@ fn joined(mut points: Vec<Point>, tables: Vec<Drawn>) -> (Vec<Point>, Vec<(usize
 }
 
 fn request(points: &[Point], owners: &[(usize, String)]) -> Result<Request, Fault> {
-    let given = points.iter().filter(|(_, [pressure, ..])| pressure.is_some()).count();
-    if given != 0 && given != points.len() {
+    let count = points.iter().filter(|(_, [pressure, ..])| pressure.is_some()).count();
+    if count != 0 && count != points.len() {
         let without = points.iter().position(|(_, [pressure, ..])| pressure.is_none()).unwrap_or_default();
         let owner = owners.iter().rev().find(|(first, _)| *first <= without);
         let item = owner.map_or_else(|| format!("points[{without}]"), |(_, path)| path.clone());
-        let cure = format!("{given} of {} points have one: give every point a pressure, or none", points.len());
+        let cure = format!("{count} of {} points have one: give every point a pressure, or none", points.len());
         return Err(Error::missing(format!("{item}.pressure"), "left out", cure).into());
     }
     // If one point has the number (a pressure, phase or weight), the other points get the default.
@@ -107,9 +107,9 @@ const MESH: [&[&str]; 2] = [&["vertices", "faces"], &["file", "scale", "offset"]
 /// Reads a wall or sphere or mesh; the given keys decide which.
 fn obstacle(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Obstacle, Fault> {
     let table = item.table()?;
-    let given: Vec<&str> = table.entries.iter().map(|(key, _)| &**key).filter(|key| *key != "kind").collect();
-    let given: Vec<&str> = given.into_iter().filter(|key| table.get(key).is_some()).collect();
-    let all_of = |keys: &[&str]| !given.is_empty() && given.iter().all(|key| keys.contains(key));
+    let keys: Vec<&str> = table.entries.iter().map(|(key, _)| &**key).filter(|key| *key != "kind").collect();
+    let keys: Vec<&str> = keys.into_iter().filter(|key| table.get(key).is_some()).collect();
+    let all_of = |known: &[&str]| !keys.is_empty() && keys.iter().all(|key| known.contains(key));
     let names = |body: &Body| body.parts.iter().map(|(key, _)| key.name).collect::<Vec<_>>();
     // Kinds may share keys: the kind with the fewest missing parameters is chosen.
     let body = Obstacle::BODIES.iter().filter(|body| all_of(&names(body))).min_by_key(|body| body.parts.len());
@@ -117,7 +117,7 @@ fn obstacle(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Obstacle, Fault> {
     if body.is_none() && !listed && !filed {
         let bodies = Obstacle::BODIES.iter().map(|body| format!("{} of a {}", names(body).join(" and "), body.noun));
         let cure = format!("give {}, or vertices and faces or a file of a mesh", bodies.collect::<Vec<_>>().join(", "));
-        let value = if given.is_empty() { "not described" } else { "described in two ways" };
+        let value = if keys.is_empty() { "not described" } else { "described in two ways" };
         return Err(Error::invalid(item.path.as_str(), value, cure).into());
     }
     let kind = table.read("kind", |kind| {
@@ -145,8 +145,8 @@ fn obstacle(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Obstacle, Fault> {
 
 /// Changes an error about a `mesh` to one about this obstacle.
 fn of_obstacle(error: Error, item: &Item<'_>) -> Fault {
-    let own = error.item.replacen("mesh", &item.path, 1);
-    Fault::at(item.path.as_str(), error.about(own))
+    let path = error.item.replacen("mesh", &item.path, 1);
+    Fault::at(item.path.as_str(), error.about(path))
 }
 
 /// Reads three indices of vertices.
@@ -229,18 +229,18 @@ fn tiles(item: &Item<'_>) -> Result<[usize; 2], Fault> {
 
 /// Reads an array of positions, listed in the document or in a file beside it.
 fn placed(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {
-    let given = table.need("positions")?;
+    let item = table.need("positions")?;
     let normals = table.read("normals", Item::vectors)?;
-    if !matches!(given.node, Node::Table(_)) {
-        return Ok(Array::new(given.vectors()?, normals)?);
+    if !matches!(item.node, Node::Table(_)) {
+        return Ok(Array::new(item.vectors()?, normals)?);
     }
-    let name = given.table()?.need("file")?;
-    let found = positions::read(name.text()?, source).map_err(|error| Fault::at(name.path.as_str(), error))?;
-    if normals.is_some() && found.normals.is_some() {
+    let name = item.table()?.need("file")?;
+    let file = positions::read(name.text()?, source).map_err(|error| Fault::at(name.path.as_str(), error))?;
+    if normals.is_some() && file.normals.is_some() {
         let cure = "the file has columns nx, ny, nz: leave one of them out";
         return Err(Error::invalid("array.normals", "given twice", cure).into());
     }
-    Ok(Array::new(found.positions, normals.or(found.normals))?)
+    Ok(Array::new(file.positions, normals.or(file.normals))?)
 }
 
 fn directivity(item: &Item<'_>) -> Result<Directivity, Fault> {

@@ -44,10 +44,10 @@ pub(super) fn find(text: &str, steps: &[Step<'_>]) -> Place {
 
 fn table(table: DeTable<'_>) -> Result<Node, Flaw> {
     // The parser sorts keys by name; this restores the order of the document.
-    let mut given: Vec<_> = table.into_iter().collect();
-    given.sort_by_key(|(key, _)| key.span().start);
+    let mut pairs: Vec<_> = table.into_iter().collect();
+    pairs.sort_by_key(|(key, _)| key.span().start);
     let mut entries = Vec::new();
-    for (key, value) in given {
+    for (key, value) in pairs {
         let at = key.span().start;
         let key = key.into_inner().into_owned();
         Flaw::check_key(at, &key, &entries)?;

@@ -24,7 +24,7 @@ pub(super) fn json(node: &Node, line: &str, text: &mut String) {
     };
     let (empty, close) = match node {
         Node::Table(entries) => {
-            for (key, node) in given(entries) {
+            for (key, node) in without_nulls(entries) {
                 item("{", Some(key), node, text);
             }
             ("{}", "}")
@@ -55,7 +55,7 @@ pub(super) fn json(node: &Node, line: &str, text: &mut String) {
 /// for a list with a null, which TOML cannot express.
 pub(super) fn toml(path: &str, table: &Node, text: &mut String) -> Option<()> {
     let Node::Table(entries) = table else { return None };
-    let (sections, lines): (Vec<_>, Vec<_>) = given(entries).partition(|(_, node)| is_section(node));
+    let (sections, lines): (Vec<_>, Vec<_>) = without_nulls(entries).partition(|(_, node)| is_section(node));
     for (key, node) in lines {
         name(key, text);
         text.push_str(" = ");
@@ -87,7 +87,7 @@ fn inline(node: &Node, text: &mut String) -> Option<()> {
         Node::Null => return None,
         Node::Table(entries) => {
             text.push('{');
-            for (key, node) in given(entries) {
+            for (key, node) in without_nulls(entries) {
                 text.push_str(if between.is_empty() { " " } else { between });
                 name(key, text);
                 text.push_str(" = ");
@@ -129,7 +129,7 @@ fn is_section(node: &Node) -> bool {
 }
 
 /// The entries of a table that are not null; null values are not written.
-fn given(entries: &[(String, Node)]) -> impl Iterator<Item = &(String, Node)> {
+fn without_nulls(entries: &[(String, Node)]) -> impl Iterator<Item = &(String, Node)> {
     entries.iter().filter(|(_, node)| *node != Node::Null)
 }
 

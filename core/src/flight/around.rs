@@ -110,9 +110,9 @@ impl<'a> Around<'a> {
         drives: &[&[Complex32]],
         control: &mut Control,
     ) -> Result<Vec<Polynomial>, Error> {
-        let mut found = vec![[[0.0; 3]; TERMS]; places.len()];
-        let parts = found.chunks_mut(LANES).zip(places.chunks(LANES)).zip(drives.chunks(LANES)).collect();
-        control.each(parts, &|((found, places), drives): Part<'_>, control| {
+        let mut polynomials = vec![[[0.0; 3]; TERMS]; places.len()];
+        let parts = polynomials.chunks_mut(LANES).zip(places.chunks(LANES)).zip(drives.chunks(LANES)).collect();
+        control.each(parts, &|((polynomials, places), drives): Part<'_>, control| {
             let mut sound = vec![[[0.0; LANES]; 2]; self.surface.len()];
             for (lane, (place, drive)) in places.iter().zip(drives).enumerate() {
                 let around: Vec<[f64; 3]> = self.surface.iter().map(|way| (Vec3(*place) + *way).0).collect();
@@ -123,12 +123,12 @@ impl<'a> Around<'a> {
             }
             let mut out = [[[0.0; LANES]; 3]; TERMS];
             forces(self.model.set, &self.ball, self.factors.map(|x| x as f32), &sound, &mut out);
-            for (lane, found) in found.iter_mut().enumerate() {
-                *found = out.map(|term| term.map(|lanes| f64::from(lanes[lane])));
+            for (lane, polynomial) in polynomials.iter_mut().enumerate() {
+                *polynomial = out.map(|term| term.map(|lanes| f64::from(lanes[lane])));
             }
             Ok(())
         })?;
-        Ok(found)
+        Ok(polynomials)
     }
 }
 
@@ -164,16 +164,16 @@ fn waves(rule: &[([f64; 3], f64)], size: Complex64) -> Vec<Vec<Complex64>> {
         .collect();
     let wave = |(d, w): &([f64; 3], f64), (s, v): &([f64; 3], f64)| {
         let cosine = dot(*d, *s);
-        let (mut before, mut own) = (0.0, 1.0);
+        let (mut before, mut legendre) = (0.0, 1.0);
         let mut sum = Complex64::ZERO;
         for (l, share) in shares.iter().enumerate() {
-            sum += share * own;
-            let next = ((2 * l + 1) as f64 * cosine * own - l as f64 * before) / (l + 1) as f64;
-            (before, own) = (own, next);
+            sum += share * legendre;
+            let next = ((2 * l + 1) as f64 * cosine * legendre - l as f64 * before) / (l + 1) as f64;
+            (before, legendre) = (legendre, next);
         }
         sum * (w * v)
     };
-    rule.iter().map(|own| rule.iter().map(|other| wave(own, other)).collect()).collect()
+    rule.iter().map(|one| rule.iter().map(|other| wave(one, other)).collect()).collect()
 }
 
 /// Returns directions and weights (50,) of a quadrature rule on the sphere, exact to degree 11.
@@ -236,12 +236,12 @@ fn through(places: &[[f64; 3]]) -> Vec<f32> {
     let mut factor = vec![[0.0; TERMS]; TERMS];
     for i in 0..TERMS {
         for j in 0..=i {
-            let own: f64 = rows.iter().map(|row| row[i] * row[j]).sum();
-            let rest = own - (0..j).map(|k| factor[i][k] * factor[j][k]).sum::<f64>();
+            let product: f64 = rows.iter().map(|row| row[i] * row[j]).sum();
+            let rest = product - (0..j).map(|k| factor[i][k] * factor[j][k]).sum::<f64>();
             factor[i][j] = if i == j { math::sqrt(rest) } else { rest / factor[j][j] };
         }
     }
-    let mut found = vec![0.0; TERMS * places.len()];
+    let mut matrix = vec![0.0; TERMS * places.len()];
     for (place, row) in rows.iter().enumerate() {
         let mut x = *row;
         for i in 0..TERMS {
@@ -253,10 +253,10 @@ fn through(places: &[[f64; 3]]) -> Vec<f32> {
             x[i] = (x[i] - below) / factor[i][i];
         }
         for (term, x) in x.iter().enumerate() {
-            found[term * places.len() + place] = *x as f32;
+            matrix[term * places.len() + place] = *x as f32;
         }
     }
-    found
+    matrix
 }
 
 #[cfg(test)]

@@ -55,8 +55,8 @@ impl Envelope {
         for (now, following) in last.chunks(count).zip(following) {
             self.frame(now, following, &mut state, 1, 0..0, &mut []);
         }
-        let kept = self.left((last.len() / count) as f64 / self.rate);
-        state.iter().map(|y| y / (1.0 - kept)).collect()
+        let left = self.left((last.len() / count) as f64 / self.rate);
+        state.iter().map(|y| y / (1.0 - left)).collect()
     }
 
     /// Plays a frame that is divided into `parts`: `state` (N,) is y at its start and becomes y at its end. Writes y at the
@@ -77,7 +77,7 @@ impl Envelope {
         assert!(now.len() == count && following.len() == count && out.len() == steps.len() * count, "one of each");
         let times: Vec<f64> = steps.map(|k| k as f64 * lasts / parts as f64).collect();
         let decays: Vec<f64> = times.iter().map(|&time| self.left(time)).collect();
-        let kept = self.left(lasts);
+        let left = self.left(lasts);
         for i in 0..count {
             let course = self.course(now[i], following[i]);
             let rest = state[i] - course.constant;
@@ -85,7 +85,7 @@ impl Envelope {
                 let y = course.at(time) + rest * decay;
                 out[step * count + i] = Complex32::new(y.re as f32, y.im as f32);
             }
-            state[i] = course.at(lasts) + rest * kept;
+            state[i] = course.at(lasts) + rest * left;
         }
     }
 
@@ -104,14 +104,14 @@ impl Envelope {
         if !self.linear || now == following {
             return Course { constant: now, slope: Complex64::ZERO, speed: 0.0 };
         }
-        let [own, next] = [now, following].map(|q| math::hypot(q.re, q.im));
+        let [amplitude, next] = [now, following].map(|q| math::hypot(q.re, q.im));
         // A drive of amplitude 0 has no phase; the phase of the other drive is used for it.
-        let direction = if own > 0.0 { now / own } else { following / next };
+        let direction = if amplitude > 0.0 { now / amplitude } else { following / next };
         let turned = following * now.conj();
         let speed = math::atan2(turned.im, turned.re) * self.rate;
         let lag = Complex64::new(1.0, speed * self.tau);
-        let slope = direction * ((next - own) * self.rate) / lag;
-        Course { constant: (direction * own - slope * self.tau) / lag, slope, speed }
+        let slope = direction * ((next - amplitude) * self.rate) / lag;
+        Course { constant: (direction * amplitude - slope * self.tau) / lag, slope, speed }
     }
 }
 

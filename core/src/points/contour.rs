@@ -91,11 +91,11 @@ pub(crate) fn spaced(mut points: Vec<[f64; 3]>, step: f64) -> Vec<[f64; 3]> {
         let around = (0..27).map(|k: i64| [k / 9, k / 3 % 3, k % 3]);
         let mut near =
             around.filter_map(|by| cells.get(&[0, 1, 2].map(|axis| cell[axis].saturating_add(by[axis] - 1)))).flatten();
-        let kept = near.all(|&other| distance(point, other) >= least);
-        if kept {
+        let apart = near.all(|&other| distance(point, other) >= least);
+        if apart {
             cells.entry(cell).or_default().push(point);
         }
-        kept
+        apart
     });
     points
 }

@@ -273,16 +273,16 @@ impl Path {
             Course::Beside(parts) => {
                 let mut first = 0;
                 let mut mine = parts.iter().filter_map(|part| {
-                    let own = point.checked_sub(first).filter(|&own| own < part.points);
+                    let index = point.checked_sub(first).filter(|&index| index < part.points);
                     first += part.points;
-                    own.map(|own| part.at(time, own))
+                    index.map(|index| part.at(time, index))
                 });
                 mine.next().unwrap_or_default()
             }
             Course::Chain(links) => {
                 let link = &links[links.partition_point(|link| link.start <= time).max(1) - 1];
                 let idle = Moment { place: link.idle[point], ..Moment::default() };
-                link.slots[point].map_or(idle, |own| link.path.at(time - link.start, own))
+                link.slots[point].map_or(idle, |index| link.path.at(time - link.start, index))
             }
             Course::Fade { places, before, after } => {
                 let share = (1.0 - math::cos(PI * time / self.duration)) / 2.0;
@@ -343,17 +343,17 @@ fn mixed(before: f64, after: f64, share: f64) -> f64 {
 /// 1 without pressures.
 fn spread(pressures: Option<&[f64]>, frames: usize, points: usize) -> Result<Vec<f64>, Error> {
     let all = frames * points;
-    let Some(given) = pressures else { return Ok(vec![1.0; all]) };
-    if let Some(k) = given.iter().position(|&each| !(each >= 0.0 && each.is_finite())) {
-        let item = if given.len() == 1 { "pressures".into() } else { format!("pressures[{k}]") };
-        return Err(Error::invalid(item, format_args!("{:?}", given[k]), "give numbers of at least 0 in Pa"));
+    let Some(list) = pressures else { return Ok(vec![1.0; all]) };
+    if let Some(k) = list.iter().position(|&each| !(each >= 0.0 && each.is_finite())) {
+        let item = if list.len() == 1 { "pressures".into() } else { format!("pressures[{k}]") };
+        return Err(Error::invalid(item, format_args!("{:?}", list[k]), "give numbers of at least 0 in Pa"));
     }
-    if ![1, points, all].contains(&given.len()) {
+    if ![1, points, all].contains(&list.len()) {
         let more = if frames > 1 { format!(" or {frames} x {points}") } else { String::new() };
         let cure = format!("give one number or {points}{more} in Pa");
-        return Err(Error::invalid("pressures", format!("{} numbers", given.len()), cure));
+        return Err(Error::invalid("pressures", format!("{} numbers", list.len()), cure));
     }
-    Ok(given.iter().copied().cycle().take(all).collect())
+    Ok(list.iter().copied().cycle().take(all).collect())
 }
 
 /// Returns the duration in s of `way` m in `runs` runs, from a speed in m/s or a frequency in runs per second.
@@ -373,9 +373,9 @@ fn lasting(way: f64, runs: f64, speed: Option<f64>, frequency: Option<f64>) -> R
 }
 
 /// Checks that exactly one of two numbers is given.
-fn either(names: [&str; 2], given: [Option<f64>; 2], cure: &str) -> Result<(), Error> {
+fn either(names: [&str; 2], values: [Option<f64>; 2], cure: &str) -> Result<(), Error> {
     let [one, other] = names;
-    match given {
+    match values {
         [Some(first), Some(second)] => {
             let value = format!("{first} and {other} is {second}");
             Err(Error::invalid(one, value, "give one of them, leave out the other"))

@@ -170,7 +170,7 @@ impl ArrayRequest {
         let pairs = self.active.iter().zip(reach);
         let loads = pairs.map(|(&j, &reach)| self.pascals[j] / (reach * reference)).filter(|load| *load > 0.0);
         let load = loads.clone().fold(0.0, f64::max);
-        self.balance = 1.0 / (load * math::sqrt(loads.map(|own| (own / load) * (own / load)).sum()));
+        self.balance = 1.0 / (load * math::sqrt(loads.map(|each| (each / load) * (each / load)).sum()));
         if self.frees_traps() {
             // The balanced level is defined by a sum of (target/p1)^2 over all points of 1. The foci have 1/balance^2 of
             // this sum, and the traps get the rest.

@@ -118,7 +118,7 @@ pub(crate) fn mix<'w>(
         }
         let range = chunk * CHUNK..drive.len().min((chunk + 1) * CHUNK);
         let (set, rows) = (propagation.instruction_set(), propagation.rows());
-        dither::choose(set, rows, (range, drive), points.own(), &mut parts, [below, above], control).ok()?;
+        dither::choose(set, rows, (range, drive), points.planes(), &mut parts, [below, above], control).ok()?;
         met = (drawn || visit + 1 >= chunks) && meets(&points, aim, near);
         if met {
             break;
@@ -178,7 +178,7 @@ impl<'w> Points<'w> {
     }
 
     /// The arguments of [`dither`], which changes the errors.
-    fn own(&mut self) -> dither::Points<'_> {
+    fn planes(&mut self) -> dither::Points<'_> {
         let Self { error, inverse, quiet, row, .. } = self;
         dither::Points {
             error: [&mut error.re, &mut error.im],

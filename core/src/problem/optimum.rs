@@ -94,9 +94,9 @@ pub(crate) fn search(
     control.room("the phases of the points", [lanes, points], taken)?;
     let mut products = work.doubles.take_any(points * points * lanes);
     for (to, [j, k, part]) in products.chunks_exact_mut(lanes).zip(terms(points)) {
-        let own = |plane: &[f64], j: usize, i: usize| plane[j * lanes + i];
+        let entry = |plane: &[f64], j: usize, i: usize| plane[j * lanes + i];
         for (i, to) in to.iter_mut().enumerate() {
-            let (a, b) = ([own(re, j, i), own(im, j, i)], [own(re, k, i), own(im, k, i)]);
+            let (a, b) = ([entry(re, j, i), entry(im, j, i)], [entry(re, k, i), entry(im, k, i)]);
             *to = if part == 0 { a[0] * b[0] + a[1] * b[1] } else { a[1] * b[0] - a[0] * b[1] };
         }
     }
@@ -138,35 +138,35 @@ impl Torus<'_> {
         let mut count = CUT.pow(points as u32 - 1);
         let [mut boxes, mut next] = [(); 2].map(|()| work.doubles.take(BOX * most.max(count)));
         self.half[1..points].fill(PI / CUT as f64);
-        for (k, own) in boxes.as_chunks_mut::<BOX>().0.iter_mut().take(count).enumerate() {
-            own[0] = f64::INFINITY;
+        for (k, region) in boxes.as_chunks_mut::<BOX>().0.iter_mut().take(count).enumerate() {
+            region[0] = f64::INFINITY;
             for j in 1..points {
-                own[1 + j] = (2 * (k / CUT.pow(j as u32 - 1) % CUT) + 1) as f64 * self.half[j];
+                region[1 + j] = (2 * (k / CUT.pow(j as u32 - 1) % CUT) + 1) as f64 * self.half[j];
             }
-            own[1 + MOST..][..points].fill(1.0 / points as f64);
+            region[1 + MOST..][..points].fill(1.0 / points as f64);
         }
         let mut spent = 0;
         for axis in (1..points.max(2)).cycle() {
             let all = &mut boxes.as_chunks_mut::<BOX>().0[..count];
             // The boxes with the highest certificates come first, because they may have the best level.
             all.sort_unstable_by(|a, b| compare(b, a));
-            for own in all.iter_mut() {
+            for region in all.iter_mut() {
                 control.pulse()?;
-                self.measure(own, control)?;
+                self.measure(region, control)?;
             }
             spent += count;
             let enough = self.best.level * (1.0 + self.gap);
-            let done = |own: &&[f64; BOX]| own[0] <= enough;
-            self.left_out = all.iter().filter(done).fold(self.left_out, |most, own| most.max(own[0]));
+            let done = |region: &&[f64; BOX]| region[0] <= enough;
+            self.left_out = all.iter().filter(done).fold(self.left_out, |most, region| most.max(region[0]));
             let open = count - all.iter().filter(done).count();
             if open == 0 || points == 1 || spent + 2 * open > most {
-                self.best.bound = all.iter().fold(self.left_out, |most, own| most.max(own[0]));
+                self.best.bound = all.iter().fold(self.left_out, |most, region| most.max(region[0]));
                 break;
             }
             self.half[axis] *= 0.5;
             let halves = next.as_chunks_mut::<BOX>().0.as_chunks_mut::<2>().0;
-            for (own, halves) in all.iter().filter(|own| !done(own)).zip(halves) {
-                *halves = [*own; 2];
+            for (region, halves) in all.iter().filter(|region| !done(region)).zip(halves) {
+                *halves = [*region; 2];
                 halves[0][1 + axis] -= self.half[axis];
                 halves[1][1 + axis] += self.half[axis];
             }
@@ -184,11 +184,11 @@ impl Torus<'_> {
             let before = self.best.level;
             for (axis, turn) in (1..self.points).flat_map(|axis| [(axis, step), (axis, -step)]) {
                 control.pulse()?;
-                let mut own = [f64::INFINITY; BOX];
-                own[1..=MOST].copy_from_slice(&self.best.phases);
-                own[1 + MOST..].copy_from_slice(&self.best.weights);
-                own[1 + axis] += turn;
-                self.measure(&mut own, control)?;
+                let mut region = [f64::INFINITY; BOX];
+                region[1..=MOST].copy_from_slice(&self.best.phases);
+                region[1 + MOST..].copy_from_slice(&self.best.weights);
+                region[1 + axis] += turn;
+                self.measure(&mut region, control)?;
             }
             if self.best.level <= before {
                 step *= 0.5;
@@ -198,10 +198,10 @@ impl Torus<'_> {
     }
 
     /// Lowers the certificate of a box by better weights. Stores its middle as the best if it has the highest level.
-    fn measure(&mut self, own: &mut [f64; BOX], control: &mut Control) -> Result<(), Error> {
+    fn measure(&mut self, region: &mut [f64; BOX], control: &mut Control) -> Result<(), Error> {
         let points = self.points;
-        let phases: [f64; MOST] = own[1..=MOST].try_into().expect("a phase each");
-        let mut weights: [f64; MOST] = own[1 + MOST..].try_into().expect("a weight each");
+        let phases: [f64; MOST] = region[1..=MOST].try_into().expect("a phase each");
+        let mut weights: [f64; MOST] = region[1 + MOST..].try_into().expect("a weight each");
         let turned = |j: usize, k: usize| Complex64::new(cos(phases[k] - phases[j]), sin(phases[k] - phases[j]));
         for _ in 0..TRIES {
             let mut factors = [0.0; MOST_ROWS];
@@ -233,16 +233,16 @@ impl Torus<'_> {
                 }
             }
             certificate += swing.most(self.half);
-            own[0] = own[0].min(certificate);
+            region[0] = region[0].min(certificate);
             let pressure = |j: usize| (0..points).map(|k| matrix[j * SIDE + k] * weights[k]).sum::<f64>();
             let level = (0..points).map(pressure).fold(f64::INFINITY, f64::min);
             if level > self.best.level {
                 self.best = Optimum { level, phases, weights, ..self.best };
             }
-            own[1 + MOST..].copy_from_slice(&weights);
+            region[1 + MOST..].copy_from_slice(&weights);
             let dual = (0..points).map(|j| weights[j] * pressure(j)).sum::<f64>();
             let enough = self.best.level * (1.0 + self.gap);
-            if own[0] <= enough || dual - level <= WORTH * (certificate - dual) {
+            if region[0] <= enough || dual - level <= WORTH * (certificate - dual) {
                 break;
             }
             let Some(better) = self.reweighted(&matrix, control)? else { break };
@@ -259,12 +259,12 @@ impl Torus<'_> {
         for _ in 0..points {
             let (mut system, mut weights) = ([0.0; SIDE * SIDE], [0.0; SIDE]);
             for j in 0..SIDE {
-                let own = j < points && among[j];
-                system[j * SIDE + j] = if own { matrix[j * SIDE + j] + RIDGE * mean } else { 1.0 };
-                for k in (j + 1..points).filter(|&k| own && among[k]) {
+                let active = j < points && among[j];
+                system[j * SIDE + j] = if active { matrix[j * SIDE + j] + RIDGE * mean } else { 1.0 };
+                for k in (j + 1..points).filter(|&k| active && among[k]) {
                     system[j * SIDE + k] = matrix[j * SIDE + k];
                 }
-                weights[j] = if own { 1.0 } else { 0.0 };
+                weights[j] = if active { 1.0 } else { 0.0 };
             }
             if !double::factor(self.set, &mut system, SIDE, control)? {
                 return Ok(None);

@@ -102,8 +102,8 @@ impl Solution {
         let mut field = Planar::zeros(1, propagation.lanes(), work);
         let unit = propagation.reference() * self.scale / times;
         for (pressure, (re, im)) in self.pressures.iter().zip(field.re.iter_mut().zip(&mut *field.im)) {
-            let own = divided(*pressure, unit);
-            (*re, *im) = (own.re, own.im);
+            let relative = divided(*pressure, unit);
+            (*re, *im) = (relative.re, relative.im);
         }
         field
     }

@@ -80,7 +80,7 @@ impl Solution {
         let field = field_of(&request.propagation, &columns, &work, control)?;
         let unit = request.propagation.reference();
         let mut reach = vec![f64::INFINITY; points];
-        request.active.iter().zip(&problem.reach).for_each(|(&j, &own)| reach[j] = own * unit);
+        request.active.iter().zip(&problem.reach).for_each(|(&j, &most)| reach[j] = most * unit);
         for (j, &pressure) in pressures.iter().enumerate() {
             let gap = math::modulus(pressure - pascals(field.re[j], field.im[j], unit * scale));
             // The tolerance is far above the differences between orders of summation, kernels and instruction sets.
@@ -271,7 +271,7 @@ impl Solution {
         let ArrayRequest { propagation, setup, .. } = &*self.request;
         let (array, points, kept) = propagation.origin()?;
         let scene = Scene::new(array.clone(), setup.medium, points.to_vec(), self.request.request()).ok()?;
-        let obstacles = kept.and_then(|kept| kept.scattering.as_ref()).map_or(&[][..], |all| all.obstacles.given());
+        let obstacles = kept.and_then(|kept| kept.scattering.as_ref()).map_or(&[][..], |all| all.obstacles.list());
         let extras = Extras {
             signature: kept.and_then(|kept| kept.signature.clone()),
             bead: setup.bead,

@@ -281,8 +281,8 @@ fn is_positive(
         control.pulse()?;
         for k in 0..=j {
             let dot: Complex64 = (0..k).map(|l| factor[j * size + l] * factor[k * size + l].conj()).sum();
-            let own = if j == k { Complex64::new(x, 0.0) } else { Complex64::ZERO };
-            let rest = own - matrix[j * size + k] - dot;
+            let entry = if j == k { Complex64::new(x, 0.0) } else { Complex64::ZERO };
+            let rest = entry - matrix[j * size + k] - dot;
             if j > k {
                 factor[j * size + k] = rest / factor[k * size + k].re;
             } else if rest.re > 0.0 {

@@ -127,7 +127,7 @@ impl Model {
     /// The obstacles that change the waves; empty without obstacles.
     #[must_use]
     pub fn obstacles(&self) -> &[Obstacle] {
-        self.scattering.as_ref().map_or(&[], |scattering| scattering.obstacles.given())
+        self.scattering.as_ref().map_or(&[], |scattering| scattering.obstacles.list())
     }
 
     /// Returns a copy of this model with a signature. Only solvers use it: the field of a drive is that of the array itself.

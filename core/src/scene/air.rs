@@ -73,10 +73,9 @@ impl Medium {
 
     /// Returns the air for a temperature, a humidity and an air pressure. A missing temperature is computed from the sound
     /// speed; the other missing values are the defaults.
-    pub(super) fn air_of(self, given: [Option<f64>; 3]) -> Result<Self, Error> {
-        let [temperature, humidity, air_pressure] = given;
+    pub(super) fn air_of(self, [temperature, humidity, pressure]: [Option<f64>; 3]) -> Result<Self, Error> {
         let temperature = temperature.unwrap_or_else(|| self.temperature());
-        Self::air(self.frequency, temperature, humidity.unwrap_or(HUMIDITY), air_pressure.unwrap_or(STANDARD))
+        Self::air(self.frequency, temperature, humidity.unwrap_or(HUMIDITY), pressure.unwrap_or(STANDARD))
     }
 }
 
@@ -93,7 +92,8 @@ fn absorption(frequency: f64, kelvin: f64, vapour: f64, pressure: f64) -> f64 {
     let drag = math::exp(-4.17 * (1.0 / math::cbrt(warmth) - 1.0));
     let nitrogen = pressure / math::sqrt(warmth) * (9.0 + 280.0 * vapour * drag);
     let squared = frequency * frequency;
-    let relaxation = |strength: f64, heat: f64, own: f64| strength * math::exp(-heat / kelvin) / (own + squared / own);
+    let relaxation =
+        |strength: f64, heat: f64, rate: f64| strength * math::exp(-heat / kelvin) / (rate + squared / rate);
     let relaxations = relaxation(0.01275, 2239.1, oxygen) + relaxation(0.1068, 3352.0, nitrogen);
     squared * (1.84e-11 / pressure * math::sqrt(warmth) + math::pow(warmth, -2.5) * relaxations)
 }

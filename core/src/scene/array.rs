@@ -328,9 +328,11 @@ impl Array {
     ///
     /// # Errors
     /// The errors of [`Medium::with`].
-    pub fn medium(&self, given: &[(&str, f64)]) -> Result<Medium, Error> {
-        let stated = given.iter().find(|(name, _)| *name == "frequency").map(|&(_, f)| f);
-        self.hardware.map_or(Ok(Medium::default()), |own| Medium::room(stated.unwrap_or(own)))?.with(given)
+    pub fn medium(&self, numbers: &[(&str, f64)]) -> Result<Medium, Error> {
+        let stated = numbers.iter().find(|(name, _)| *name == "frequency").map(|&(_, f)| f);
+        self.hardware
+            .map_or(Ok(Medium::default()), |frequency| Medium::room(stated.unwrap_or(frequency)))?
+            .with(numbers)
     }
 
     /// How the array was made: from positions, as a grid or by a preset.

@@ -61,8 +61,8 @@ impl Bead {
     ///
     /// # Errors
     /// A number that is not above 0, a gravity that is not finite.
-    pub fn with(mut self, given: &[(&str, f64)], gravity: Option<[f64; 3]>) -> Result<Self, Error> {
-        for &(name, value) in given {
+    pub fn with(mut self, numbers: &[(&str, f64)], gravity: Option<[f64; 3]>) -> Result<Self, Error> {
+        for &(name, value) in numbers {
             if !self.particle.set(name, value) {
                 return Err(Error::unknown("key of bead", name, Self::KEYS.iter().map(|key| key.name)));
             }

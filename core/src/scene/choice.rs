@@ -26,13 +26,13 @@ impl Choice {
     /// A `balance` that is not true or false, an `aim` that is unknown. [`crate::solvers::configure`] checks the name and the
     /// options.
     pub fn new(name: String, options: Options) -> Result<Self, Error> {
-        let (mut own, mut balance, mut aim) = (Options::new(), None, None);
+        let (mut rest, mut balance, mut aim) = (Options::new(), None, None);
         for (key, value) in options {
             match &key {
                 key if balance.is_none() && same_name(key, "balance") => balance = Some(value),
                 key if aim.is_none() && same_name(key, "aim") => aim = Some(value),
                 _ => {
-                    own.insert(key, value);
+                    rest.insert(key, value);
                 }
             }
         }
@@ -42,7 +42,7 @@ impl Choice {
             Some(other) => return Err(Error::invalid("solver.balance", other, "give true or false")),
         };
         let aim = aim.map(|aim| Aim::read("solver.aim", &aim)).transpose()?;
-        Ok(Self { name, options: own, balance, aim })
+        Ok(Self { name, options: rest, balance, aim })
     }
 
     /// Returns the table of options, with `balance` and `aim` if they are given: the inverse of [`Self::new`].

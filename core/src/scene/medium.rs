@@ -76,9 +76,9 @@ impl Medium {
     /// # Errors
     /// An unknown name; a temperature and a sound speed together; values that [`Medium::air`] rejects. A scene checks the other
     /// ranges.
-    pub fn with(mut self, given: &[(&str, f64)]) -> Result<Self, Error> {
-        let of = |name: &str| given.iter().find(|(key, _)| *key == name).map(|&(_, value)| value);
-        for &(name, value) in given {
+    pub fn with(mut self, numbers: &[(&str, f64)]) -> Result<Self, Error> {
+        let of = |name: &str| numbers.iter().find(|(key, _)| *key == name).map(|&(_, value)| value);
+        for &(name, value) in numbers {
             if !self.set(name, value) && !AIR.contains(&name) {
                 return Err(Error::unknown("key of medium", name, Self::KEYS.iter().map(|key| key.name)));
             }

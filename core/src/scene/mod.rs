@@ -228,7 +228,7 @@ impl Scene {
     /// The obstacles as given.
     #[must_use]
     pub fn obstacles(&self) -> &[Obstacle] {
-        self.obstacles.given()
+        self.obstacles.list()
     }
 
     /// The obstacles with the results of their checks.
@@ -292,7 +292,7 @@ impl Scene {
         let mut doubts = Vec::new();
         let far = Vicinity::of(&self.array).doubt(&self.points, |j| format!("points[{j}].position"));
         doubts.extend(far.or_else(|| beside(&self.array, self.medium, &self.points)));
-        doubts.extend(distant(&self.array, self.obstacles.given()));
+        doubts.extend(distant(&self.array, self.obstacles.list()));
         doubts.extend(contrary(self.medium, &self.points, &self.request));
         doubts.extend(self.plane.and_then(|plane| plane.doubt()));
         doubts.extend(self.bead.doubt(self.medium));
@@ -318,7 +318,7 @@ impl Scene {
         let (points, wavelength) = (&self.points, self.medium.wavelength());
         let traps = self.signature.is_some() && !points.is_empty();
         let mut planes = if traps { Plane::upright(points, wavelength) } else { Plane::around(points, wavelength) };
-        for body in self.obstacles.given().iter().filter_map(Obstacle::bounds) {
+        for body in self.obstacles.list().iter().filter_map(Obstacle::bounds) {
             if !planes.iter().any(|plane| plane.cuts(body)) {
                 planes.push(Plane::through_body(body, points, wavelength));
             }

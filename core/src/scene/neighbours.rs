@@ -27,13 +27,13 @@ impl<'a> Neighbours<'a> {
     }
 
     /// Returns the first pair nearer than `within` for which `wanted(pair, distance)` is true, and its distance.
-    pub(crate) fn pair(&self, within: f64, wanted: impl Fn([usize; 2], f64) -> bool) -> Option<([usize; 2], f64)> {
+    pub(crate) fn pair(&self, within: f64, fits: impl Fn([usize; 2], f64) -> bool) -> Option<([usize; 2], f64)> {
         let Self { places, sorted } = self;
         let pairs = sorted.iter().enumerate().flat_map(|(at, &(from, k))| {
             let ahead = sorted[at + 1..].iter().take_while(move |(to, _)| to - from < within);
             ahead.map(move |&(_, l)| [k.min(l), k.max(l)])
         });
         let measured = pairs.take(MOST_PAIRS * places.len()).map(|[k, l]| ([k, l], distance(places[k], places[l])));
-        measured.into_iter().find(|&(pair, apart)| apart < within && wanted(pair, apart))
+        measured.into_iter().find(|&(pair, apart)| apart < within && fits(pair, apart))
     }
 }

@@ -85,8 +85,8 @@ impl Obstacle {
 /// The checked obstacles of a scene. No transducer is inside an obstacle or behind a wall.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Obstacles {
-    given: Arc<[Obstacle]>,
-    /// The walls: the index of each in `given`, and its mirror.
+    list: Arc<[Obstacle]>,
+    /// The walls: the index of each in `list`, and its mirror.
     walls: Arc<[(usize, Mirror)]>,
 }
 
@@ -97,9 +97,9 @@ impl Obstacles {
     /// Numbers that are not finite, a normal of length 0, an obstacle that crosses the array or is too far away for phases in
     /// f32; two walls that are neither parallel nor at a right angle, one wall behind another, more than six walls; a sphere
     /// that is too large or has other obstacles beside it; a mesh with too many elements or behind a wall.
-    pub(crate) fn new(given: Vec<Obstacle>, array: &Array, medium: Medium) -> Result<Self, Error> {
+    pub(crate) fn new(list: Vec<Obstacle>, array: &Array, medium: Medium) -> Result<Self, Error> {
         let mut walls: Vec<(usize, Mirror)> = Vec::new();
-        for (k, obstacle) in given.iter().enumerate() {
+        for (k, obstacle) in list.iter().enumerate() {
             let item = format!("obstacles[{k}]");
             match obstacle {
                 Obstacle::Wall { point, normal, kind } => {
@@ -109,7 +109,7 @@ impl Obstacles {
                 }
                 Obstacle::Sphere { center, radius, .. } => {
                     check_sphere(&item, *center, *radius, array, medium)?;
-                    if given.len() > 1 {
+                    if list.len() > 1 {
                         let cure = "its series knows of no other obstacle: give it as a mesh";
                         return Err(Error::new(ErrorCode::SphereAmong, item, "a sphere among others", cure));
                     }
@@ -121,19 +121,19 @@ impl Obstacles {
             let cure = format!("give at most {MOST_WALLS}, the sides of a box");
             return Err(Error::invalid(format!("obstacles[{k}]"), format!("wall {}", MOST_WALLS + 1), cure));
         }
-        let all = Self { given: given.into(), walls: walls.into() };
+        let all = Self { list: list.into(), walls: walls.into() };
         all.check_elements(medium)?;
         all.check_clear(medium)?;
         Ok(all)
     }
 
     /// The obstacles in the order in which they were given.
-    pub(crate) fn given(&self) -> &[Obstacle] {
-        &self.given
+    pub(crate) fn list(&self) -> &[Obstacle] {
+        &self.list
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.given.is_empty()
+        self.list.is_empty()
     }
 
     /// The walls as mirrors that face the array.
@@ -143,7 +143,7 @@ impl Obstacles {
 
     /// The meshes.
     pub(crate) fn meshes(&self) -> impl Iterator<Item = &Mesh> + Clone {
-        self.given.iter().filter_map(|obstacle| if let Obstacle::Mesh(mesh) = obstacle { Some(&**mesh) } else { None })
+        self.list.iter().filter_map(|obstacle| if let Obstacle::Mesh(mesh) = obstacle { Some(&**mesh) } else { None })
     }
 
     /// Returns the index of the obstacle that contains a place, or of the wall in front of it; `None` if the place is in free
@@ -151,7 +151,7 @@ impl Obstacles {
     pub(crate) fn around(&self, place: [f64; 3]) -> Option<usize> {
         let behind = self.walls.iter().find(|(_, wall)| wall.height(place) < -ON).map(|(k, _)| *k);
         behind.or_else(|| {
-            self.given.iter().position(|obstacle| match obstacle {
+            self.list.iter().position(|obstacle| match obstacle {
                 Obstacle::Wall { .. } => false,
                 Obstacle::Sphere { center, radius, .. } => distance(*center, place) < radius - ON,
                 Obstacle::Mesh(mesh) => mesh.contains(place),
@@ -166,7 +166,7 @@ impl Obstacles {
             Obstacle::Mesh(mesh) => mesh.distance(place),
             _ => f64::INFINITY,
         };
-        self.given.iter().map(from).fold(f64::INFINITY, f64::min)
+        self.list.iter().map(from).fold(f64::INFINITY, f64::min)
     }
 
     /// Checks that no point is inside an obstacle or behind a wall.
@@ -178,7 +178,7 @@ impl Obstacles {
     /// Checks that a point is not inside an obstacle or behind a wall; `name` makes its name for the error.
     pub(crate) fn check_point(&self, point: [f64; 3], name: impl FnOnce() -> String) -> Result<(), Error> {
         let Some(k) = self.around(point) else { return Ok(()) };
-        let cure = match &self.given[k] {
+        let cure = match &self.list[k] {
             Obstacle::Wall { .. } => {
                 format!("behind the wall obstacles[{k}], where no sound is: bring it to the array's side")
             }
@@ -192,7 +192,7 @@ impl Obstacles {
     fn check_elements(&self, medium: Medium) -> Result<(), Error> {
         let [area, _] = element_size(medium);
         let mut count = 0.0;
-        for (k, obstacle) in self.given.iter().enumerate() {
+        for (k, obstacle) in self.list.iter().enumerate() {
             let Obstacle::Mesh(mesh) = obstacle else { continue };
             count += mesh.triangles().map(|triangle| (0.5 * area_vector(triangle).norm() / area).max(1.0)).sum::<f64>();
             if count > MOST_ELEMENTS {
@@ -214,7 +214,7 @@ impl Obstacles {
     /// Checks that no mesh crosses or touches a wall.
     fn check_clear(&self, medium: Medium) -> Result<(), Error> {
         let [_, edge] = element_size(medium);
-        for (k, obstacle) in self.given.iter().enumerate() {
+        for (k, obstacle) in self.list.iter().enumerate() {
             let Obstacle::Mesh(mesh) = obstacle else { continue };
             for (other, wall) in &*self.walls {
                 let lowest = mesh.vertices().iter().map(|&vertex| wall.height(vertex)).fold(f64::INFINITY, f64::min);

@@ -187,9 +187,9 @@ impl Array {
             let always = matches!(part.kind(), PartKind::Real | PartKind::Directivity);
             let usual = usual.as_ref().filter(|_| !always).and_then(|usual| part.of(usual));
             let value = match (part.of(self), usual) {
-                (own, usual) if own == usual => None,
+                (value, usual) if value == usual => None,
                 (None, Some(usual)) => none_like(&usual, self.len()),
-                (own, _) => own,
+                (value, _) => value,
             };
             Some((part.name, value?))
         })

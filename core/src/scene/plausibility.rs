@@ -81,8 +81,8 @@ impl Bead {
     #[must_use]
     pub(crate) fn doubt(&self, medium: Medium) -> Option<Notice> {
         let (radius, wavelength) = (self.particle.radius, medium.wavelength());
-        let given = self.particle != Particle::default() && is_sure(medium);
-        (given && radius > wavelength).then(|| {
+        let sure = self.particle != Particle::default() && is_sure(medium);
+        (sure && radius > wavelength).then(|| {
             let cure = metres(radius, &(1e-5..=wavelength));
             let cure = format!("larger than the wavelength of {} m: {cure}", short(wavelength));
             doubt("bead.radius", format!("{} m", short(radius)), cure)
@@ -142,9 +142,9 @@ fn of_medium(medium: Medium) -> Vec<Notice> {
     }
     let most = ABSORPTION * (frequency / 40e3) * (frequency / 40e3);
     if absorption > most && FREQUENCY.contains(&frequency) {
-        let [own, nepers] = [absorption, absorption / 8.686].map(short);
-        let cure = format!("air has less at this frequency: give Np/m ({own} dB/m are {nepers} Np/m)");
-        doubts.push(doubt("medium.absorption", format!("{own} Np/m"), cure));
+        let [number, nepers] = [absorption, absorption / 8.686].map(short);
+        let cure = format!("air has less at this frequency: give Np/m ({number} dB/m are {nepers} Np/m)");
+        doubts.push(doubt("medium.absorption", format!("{number} Np/m"), cure));
     }
     if !DENSITY.contains(&density) {
         let cure = in_unit(density, "kg/m^3", &[("g/m^3", 1e-3), ("g/cm^3", 1e3)], &DENSITY);
@@ -158,9 +158,9 @@ fn of_speed(speed: f64, celsius: f64) -> (String, String) {
     let value = format!("{} m/s", short(speed));
     let scales = [("K", celsius - 273.15), ("degrees F", (celsius - 32.0) / 1.8)];
     if let Some((scale, meant)) = scales.into_iter().find(|(_, meant)| TEMPERATURE.contains(meant)) {
-        let own = short(celsius);
-        let cure = format!("give the temperature in degrees C ({own} {scale} are {}), -60 to 60", short(meant));
-        return (format!("{value}, that of air at {own} degrees C"), cure);
+        let number = short(celsius);
+        let cure = format!("give the temperature in degrees C ({number} {scale} are {}), -60 to 60", short(meant));
+        return (format!("{value}, that of air at {number} degrees C"), cure);
     }
     let cure = in_unit(speed, "m/s", &[("cm/s", 1e-2), ("km/s", 1e3), ("mm/s", 1e-3)], &(290.0..=370.0));
     (value, format!("air has 293 to 366 m/s, at -60 to 60 degrees C: {cure}"))
@@ -243,10 +243,10 @@ impl Vicinity {
 /// Returns the index of the first doubtful point, and a text of its coordinates and of the number of further such points.
 fn first(points: &[[f64; 3]], doubtful: impl Fn([f64; 3]) -> bool) -> Option<(usize, String)> {
     let finite = |point: [f64; 3]| point.iter().all(|x| x.is_finite());
-    let mut found = (0..points.len()).filter(|&j| finite(points[j]) && doubtful(points[j]));
-    let j = found.next()?;
+    let mut indices = (0..points.len()).filter(|&j| finite(points[j]) && doubtful(points[j]));
+    let j = indices.next()?;
     let [x, y, z] = points[j].map(short);
-    let others = match found.count() {
+    let others = match indices.count() {
         0 => String::new(),
         more => format!(" (and {more} more)"),
     };
@@ -261,7 +261,7 @@ pub(crate) fn beside(array: &Array, medium: Medium, points: &[[f64; 3]]) -> Opti
     let [error, within] = [100.0, 4.0].map(|part| medium.wavelength() / part);
     let bounds = array.bounds();
     let close = |(x, [low, high]): (&f64, &[f64; 2])| (low - within..=high + within).contains(x);
-    let found = |point: &[f64; 3]| {
+    let reason = |point: &[f64; 3]| {
         let apart = |i: &usize| distance(array.positions()[*i], *point);
         let inside = is_sure(medium) && point.iter().zip(&bounds).all(close);
         let nearest = if inside { (0..array.len()).min_by(|i, k| apart(i).total_cmp(&apart(k))) } else { None };
@@ -280,7 +280,7 @@ pub(crate) fn beside(array: &Array, medium: Medium, points: &[[f64; 3]]) -> Opti
             )),
         }
     };
-    let (j, (code, value, cure)) = points.iter().enumerate().find_map(|(j, point)| Some((j, found(point)?)))?;
+    let (j, (code, value, cure)) = points.iter().enumerate().find_map(|(j, point)| Some((j, reason(point)?)))?;
     let [x, y, z] = points[j].map(short);
     Some(Notice::new(code, format!("points[{j}].position"), format!("[{x}, {y}, {z}] m{value}"), cure))
 }

@@ -272,8 +272,8 @@ fn facing(board: &[[f64; 3]], gap: f64) -> Vec<[f64; 3]> {
 
 /// The positions of one OpenMPD board, in its own order.
 fn openmpd() -> Vec<[f64; 3]> {
-    let own = lattice([16, 16], 10.5e-3);
-    (0..256).map(|i| [own[i / 16][0], -own[i % 16][0], 0.0]).collect()
+    let grid = lattice([16, 16], 10.5e-3);
+    (0..256).map(|i| [grid[i / 16][0], -grid[i % 16][0], 0.0]).collect()
 }
 
 /// A ring of transducers, counterclockwise. `first` is the angle of the first from +x, in rad.

@@ -100,7 +100,7 @@ impl Signature {
     pub(crate) fn is_trap(&self, j: usize) -> bool {
         match self {
             Self::Each(each) => each[j] == Self::Trap,
-            own => *own == Self::Trap,
+            one => *one == Self::Trap,
         }
     }
 
@@ -110,7 +110,7 @@ impl Signature {
             Self::Each(each) => {
                 each.contains(&Self::Trap) && each.iter().all(|one| matches!(one, Self::Trap | Self::Focus))
             }
-            own => *own == Self::Trap,
+            one => *one == Self::Trap,
         }
     }
 
@@ -118,7 +118,7 @@ impl Signature {
     pub(crate) fn select(&self, chosen: &[usize]) -> Self {
         match self {
             Self::Each(each) => Self::Each(chosen.iter().map(|&j| each[j].clone()).collect()),
-            own => own.clone(),
+            one => one.clone(),
         }
     }
 

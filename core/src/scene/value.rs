@@ -99,11 +99,11 @@ impl OptionValue for f64 {
 /// # Errors
 /// Any other value; the error lists the words.
 pub fn word<T: Copy>(item: &str, value: &Value, words: &[(&'static str, T)]) -> Result<T, Error> {
-    let found = match value {
+    let entry = match value {
         Value::Text(text) => words.iter().find(|(word, _)| same_name(word, text)),
         _ => None,
     };
-    found.map(|(_, meaning)| *meaning).ok_or_else(|| {
+    entry.map(|(_, meaning)| *meaning).ok_or_else(|| {
         let known: Vec<String> = words.iter().map(|(word, _)| format!("\"{word}\"")).collect();
         Error::invalid(item, value, format!("give {}", known.join(" or ")))
     })
@@ -111,8 +111,8 @@ pub fn word<T: Copy>(item: &str, value: &Value, words: &[(&'static str, T)]) -> 
 
 /// Returns the word for a value.
 pub fn spell<T: Copy + PartialEq>(value: T, words: &[(&'static str, T)]) -> Value {
-    let found = words.iter().find(|(_, meaning)| *meaning == value);
-    Value::Text(found.map_or_else(String::new, |(word, _)| (*word).to_string()))
+    let entry = words.iter().find(|(_, meaning)| *meaning == value);
+    Value::Text(entry.map_or_else(String::new, |(word, _)| (*word).to_string()))
 }
 
 /// Makes an enum the type of an option: each of its values is given by a word.

@@ -8,7 +8,7 @@ use crate::control::{Control, bytes};
 use crate::device::quantization::steps_within;
 use crate::error::{Error, real};
 use crate::propagation::Model;
-use crate::sequence::alternation::{Wanted, field, follow};
+use crate::sequence::alternation::{ComplexWeights, field, follow};
 use crate::sequence::even_out::even_out;
 use crate::sequence::first::guess;
 use crate::sequence::frames::Frames;
@@ -102,12 +102,12 @@ pub fn ahead(
             field(&frames, &circle, &mut codes, control)?
         }
     };
-    let mut wanted = Wanted::of(&frames, &guess);
+    let mut weights = ComplexWeights::of(&frames, &guess);
     step(&frames, (1, steps), &guess, control)?;
     for round in 0..ahead.rounds as usize {
-        let field = follow(&frames, &wanted, (&circle, ahead.ends), &mut codes, control)?;
+        let field = follow(&frames, &weights, (&circle, ahead.ends), &mut codes, control)?;
         step(&frames, (round + 2, steps), &field, control)?;
-        wanted.read(&frames, &field);
+        weights.read(&frames, &field);
     }
     let mut by_frames = vec![0; codes.len()];
     transpose(&codes, transducers, &mut by_frames);

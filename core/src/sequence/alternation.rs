@@ -25,7 +25,7 @@ const MOST_CHANGE: f32 = 2.0;
 const PACES: [f32; 2] = [1.2, 0.5];
 
 /// The phases and weights of the points in all frames.
-pub(super) struct Wanted {
+pub(super) struct ComplexWeights {
     /// The weights w_j (T, M); 0 for an absent point.
     weights: Vec<f32>,
     /// Step size of each weight in a round (T, M), as a part of the way to level/|P_j|. With the whole way two or three
@@ -37,19 +37,19 @@ pub(super) struct Wanted {
     phasors: [Vec<f32>; 2],
 }
 
-impl Wanted {
+impl ComplexWeights {
     /// Takes the phases of a field (T, M), and weights at which each point's own wave has the requested strength.
     pub(super) fn of(frames: &Frames, field: &[Vec<f32>; 2]) -> Self {
         let weight = |(target, reach): (&f32, &f32)| if *target > 0.0 { target / (reach * reach) } else { 0.0 };
-        let mut own = Self {
+        let mut weights = Self {
             weights: frames.targets.iter().zip(&frames.reach).map(weight).collect(),
             paces: vec![0.0; frames.targets.len()],
             weak: vec![false; frames.targets.len()],
             phasors: [(); 2].map(|()| vec![0.0; frames.lanes()]),
         };
-        own.read(frames, field);
-        own.paces.fill(1.0);
-        own
+        weights.read(frames, field);
+        weights.paces.fill(1.0);
+        weights
     }
 
     /// Updates phases and weights from a field; every frame counts equally.
@@ -93,12 +93,12 @@ impl Wanted {
 /// Writes the best tracks for the requested pressures to `codes` (N, T); returns their field (T, M).
 pub(super) fn follow(
     frames: &Frames,
-    wanted: &Wanted,
+    weights: &ComplexWeights,
     (circle, ends): (&Circle, Ends),
     codes: &mut [u16],
     control: &mut Control,
 ) -> Result<[Vec<f32>; 2], Error> {
-    let [pull_re, pull_im] = &wanted.pull();
+    let [pull_re, pull_im] = &weights.pull();
     let worker = || (Tracker::new(circle, frames.count, frames.set()), [(); 2].map(|()| vec![0.0; frames.count]));
     frames.gather(
         codes,

@@ -52,7 +52,7 @@ pub(super) fn even_out(
                     targets: &frames.targets[frame * points..(frame + 1) * points],
                     rows: rows.each_ref().map(|plane| &plane[first..]),
                     lanes,
-                    own: frame * transducers,
+                    start: frame * transducers,
                     neighbours: neighbours(frame, frames.count, ends == Ends::Closed)
                         .map(|other| other.map(|t| t * transducers)),
                     field: vec![[0.0; 2]; points],
@@ -83,7 +83,7 @@ struct One<'a> {
     rows: [&'a [f32]; 2],
     lanes: usize,
     /// First index of the frame's codes, and of those of the frames before and after.
-    own: usize,
+    start: usize,
     neighbours: [Option<usize>; 2],
     field: Vec<[f32; 2]>,
 }
@@ -92,7 +92,7 @@ impl One<'_> {
     /// Changes codes until the frame is even or no change helps; returns whether it is even.
     fn settle(&mut self, codes: &mut [u16], control: &mut Control) -> Result<bool, Error> {
         for i in 0..self.frames.transducers {
-            self.turn(i, [0.0; 2], self.circle.drive(codes[self.own + i]));
+            self.turn(i, [0.0; 2], self.circle.drive(codes[self.start + i]));
         }
         let mut last = f32::INFINITY;
         for _ in 0..ROUNDS {
@@ -116,7 +116,7 @@ impl One<'_> {
     /// Changes the code of a transducer by the one step that leaves the least error, if a step does; returns that
     /// error.
     fn exchange(&mut self, i: usize, level: f32, mut error: f32, codes: &mut [u16]) -> f32 {
-        let code = codes[self.own + i];
+        let code = codes[self.start + i];
         let mut best = code;
         for new in [-1, 1].map(|step| self.circle.moved(code, step)) {
             let mut others = self.neighbours.iter().flatten().map(|other| codes[other + i]);
@@ -131,7 +131,7 @@ impl One<'_> {
                 }
             }
         }
-        codes[self.own + i] = best;
+        codes[self.start + i] = best;
         error
     }
 

@@ -76,9 +76,9 @@ impl<'a> Frames<'a> {
             check_places(model.array().centre(), medium, &format!("points{}", name(k)), "", &[*point])?;
             model.check_point(*point, || format!("points{}", name(k)))?;
         }
-        let kept = bytes(model.bytes_a_point(), &[points.len()]);
-        control.room("G of all frames, kept behind obstacles", [model.array().len(), points.len()], kept)?;
-        let mut own = Self {
+        let memory = bytes(model.bytes_a_point(), &[points.len()]);
+        control.room("G of all frames, kept behind obstacles", [model.array().len(), points.len()], memory)?;
+        let mut all = Self {
             model,
             count: frames,
             points: each,
@@ -104,10 +104,10 @@ impl<'a> Frames<'a> {
                 None => error,
             };
             propagation.reach(&mut reach, None, control).map_err(named)?;
-            own.reach.extend(reach.iter().map(|&reach| reach as f32));
-            own.blocks.push(propagation);
+            all.reach.extend(reach.iter().map(|&reach| reach as f32));
+            all.blocks.push(propagation);
         }
-        let silent = |k: &usize| targets[*k] > 0.0 && (own.reach[*k].is_nan() || own.reach[*k] <= 0.0);
+        let silent = |k: &usize| targets[*k] > 0.0 && (all.reach[*k].is_nan() || all.reach[*k] <= 0.0);
         if let Some(k) = (0..points.len()).find(silent) {
             let cure = "move it in front of the array, turn a normal or switch a transducer on";
             return Err(Error::new(
@@ -117,7 +117,7 @@ impl<'a> Frames<'a> {
                 cure,
             ));
         }
-        Ok(own)
+        Ok(all)
     }
 
     /// Returns the mean over the frames of the variance of |P_j|/t_j, relative to its squared mean, for a field (T, M).
@@ -190,14 +190,14 @@ impl<'a> Frames<'a> {
             hands.push(parts.drain(..a_thread.min(parts.len())).collect::<Vec<_>>());
         }
         control.each(hands, &|parts, control| {
-            let mut own = worker();
+            let mut state = worker();
             let mut row = [vec![0.0; lanes], vec![0.0; lanes]];
             for (first, (codes, [re, im])) in parts {
                 for (k, codes) in codes.chunks_mut(self.count).enumerate().filter(|(k, _)| self.is_on(first + k)) {
                     control.pulse()?;
                     self.row(first + k, row.each_mut().map(|plane| &mut plane[..]));
                     let visit = Visit { row: [&row[0], &row[1]], codes, sum: [re, im] };
-                    each(&mut own, visit, control)?;
+                    each(&mut state, visit, control)?;
                 }
             }
             Ok(())

@@ -70,15 +70,15 @@ pub fn stiffen(
     let transducers = frames.transducers;
     control.room("the drives of all frames", [transducers, count], bytes(24, &[count, transducers]))?;
     let lap = Lap { frames: &frames, points, closed: how.ends == Ends::Closed, rate, margin, circle: &circle };
-    let columns = |row: &[u16]| channels.map_or(row.to_vec(), |channels| channels.gather(row));
-    let mut own: Vec<u16> = codes.chunks(array.len()).flat_map(columns).collect();
-    let mut drives = lap.drives(&own);
+    let gather = |row: &[u16]| channels.map_or(row.to_vec(), |channels| channels.gather(row));
+    let mut columns: Vec<u16> = codes.chunks(array.len()).flat_map(gather).collect();
+    let mut drives = lap.drives(&columns);
     let board = Quantization::new(Some(how.phases), None)?;
     let steps = SWEEPS + EXCHANGES;
     for step in 0..steps {
         if step == SWEEPS {
-            lap.follow(&drives, how.ends, &mut own, control)?;
-            drives = lap.drives(&own);
+            lap.follow(&drives, how.ends, &mut columns, control)?;
+            drives = lap.drives(&columns);
         }
         for chosen in lap.parts() {
             lap.visit(&chosen, &mut drives, (step >= SWEEPS).then_some(&board), control)?;
@@ -87,11 +87,11 @@ pub fn stiffen(
             return Err(Error::stopped());
         }
     }
-    for (code, q) in own.iter_mut().zip(&drives) {
+    for (code, q) in columns.iter_mut().zip(&drives) {
         *code = circle.nearest(*q);
     }
     let spread = |row: &[u16]| channels.map_or(row.to_vec(), |channels: &Channels| channels.spread(row));
-    let rows = own.chunks(transducers).flat_map(spread);
+    let rows = columns.chunks(transducers).flat_map(spread);
     codes.iter_mut().zip(rows).for_each(|(code, new)| *code = new);
     Ok(())
 }
@@ -143,26 +143,26 @@ impl Lap<'_> {
         control: &mut Control,
     ) -> Result<(), Error> {
         let transducers = self.frames.transducers;
-        let mut found = vec![Complex32::ZERO; chosen.len() * transducers];
+        let mut rows = vec![Complex32::ZERO; chosen.len() * transducers];
         let share = chosen.len().div_ceil(control.threads()).max(1);
-        let parts: Vec<_> = chosen.chunks(share).zip(found.chunks_mut(share * transducers)).collect();
+        let parts: Vec<_> = chosen.chunks(share).zip(rows.chunks_mut(share * transducers)).collect();
         let old = &*drives;
-        control.each(parts, &|(chosen, found), control| {
+        control.each(parts, &|(chosen, rows), control| {
             let work = Workspace::new();
-            for (&t, found) in chosen.iter().zip(found.chunks_mut(transducers)) {
-                found.copy_from_slice(self.row(t, old));
-                let Some(traps) = self.traps(t, found, control)? else { continue };
+            for (&t, row) in chosen.iter().zip(rows.chunks_mut(transducers)) {
+                row.copy_from_slice(self.row(t, old));
+                let Some(traps) = self.traps(t, row, control)? else { continue };
                 let neighbours =
                     Neighbours { beside: self.beside(t, old), bound: self.bound(), codes: self.circle.reach };
                 match board {
-                    Some(board) => exchange(&traps, &neighbours, (self.frames.set(), board), found),
-                    None => improve(&traps, &neighbours, (self.frames.set(), STEPS), found, &work, control)?,
+                    Some(board) => exchange(&traps, &neighbours, (self.frames.set(), board), row),
+                    None => improve(&traps, &neighbours, (self.frames.set(), STEPS), row, &work, control)?,
                 }
             }
             Ok(())
         })?;
-        for (&t, found) in chosen.iter().zip(found.chunks(transducers)) {
-            drives[t * transducers..(t + 1) * transducers].copy_from_slice(found);
+        for (&t, row) in chosen.iter().zip(rows.chunks(transducers)) {
+            drives[t * transducers..(t + 1) * transducers].copy_from_slice(row);
         }
         Ok(())
     }

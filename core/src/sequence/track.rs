@@ -113,8 +113,8 @@ impl<'a> Tracker<'a> {
 
     /// Adds the gain of each phase in a frame to the best sum of gains before it.
     fn meet(&mut self, [re, im]: [&[f32]; 2], frame: usize) {
-        let own = &mut self.best[frame * self.circle.levels..][..self.circle.levels];
-        for ((best, cos), sin) in own.iter_mut().zip(&self.circle.cos).zip(&self.circle.sin) {
+        let row = &mut self.best[frame * self.circle.levels..][..self.circle.levels];
+        for ((best, cos), sin) in row.iter_mut().zip(&self.circle.cos).zip(&self.circle.sin) {
             *best += re[frame] * cos + im[frame] * sin;
         }
     }
@@ -144,9 +144,9 @@ impl<'a> Tracker<'a> {
         let best = &self.best[frame * levels..(frame + 1) * levels];
         let most = self.circle.reach.min(levels / 2) as isize;
         let steps = (1..=most).flat_map(|step| [-step, step]);
-        steps
-            .map(|step| self.circle.moved(code, step))
-            .fold(code, |kept, other| if best[usize::from(other)] > best[usize::from(kept)] { other } else { kept })
+        steps.map(|step| self.circle.moved(code, step)).fold(code, |choice, other| {
+            if best[usize::from(other)] > best[usize::from(choice)] { other } else { choice }
+        })
     }
 
     /// Writes the track that ends in a phase.

@@ -80,15 +80,15 @@ impl Session {
                     None
                 }
                 Some(targets) => {
-                    let mut kept = ask.request.pressures.take().unwrap_or_default();
-                    kept.clear();
+                    let mut pressures = ask.request.pressures.take().unwrap_or_default();
+                    pressures.clear();
                     for (point, &target) in points[frame.clone()].iter().zip(&targets[frame]) {
                         if target != 0.0 {
                             ask.points.push(*point);
-                            kept.push(target);
+                            pressures.push(target);
                         }
                     }
-                    Some(kept)
+                    Some(pressures)
                 }
             };
             ask.request.pressures = pressures;

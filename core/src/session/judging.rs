@@ -99,7 +99,7 @@ impl Worker {
             control.pulse()?;
             let (count, refused) = self.prepare(first + k * LANES, metrics.len(), task, requests, control);
             let judged = self.judge_prepared(count, drives, precision, metrics, control);
-            judged.and(refused).map_err(|(own, error)| error.of_one("problems", first + k * LANES + own))?;
+            judged.and(refused).map_err(|(index, error)| error.of_one("problems", first + k * LANES + index))?;
         }
         Ok(())
     }
@@ -114,11 +114,11 @@ impl Worker {
         control: &mut Control,
     ) -> Result<(), (usize, Error)> {
         let (problems, transducers) = (&self.problems[..count], drives.len() / metrics.len());
-        let mut own = drives.chunks(transducers).zip(problems).enumerate();
+        let mut pairs = drives.chunks(transducers).zip(problems).enumerate();
         let columns = |problem: &crate::problem::Problem, drive: &[Complex32]| {
             problem.setup().columns(drive, problem.propagation().transducers()).map(drop)
         };
-        own.try_for_each(|(k, (drive, problem))| columns(problem, drive).map_err(|error| (k, error)))?;
+        pairs.try_for_each(|(k, (drive, problem))| columns(problem, drive).map_err(|error| (k, error)))?;
         if precision == Precision::Single
             && let Some([re, im]) = interleaved_batch::fields(problems, drives, &self.work)
         {

@@ -50,8 +50,8 @@ impl SolveRequest {
         self.points.clear();
         self.points.extend_from_slice(points);
         let request = &mut self.request;
-        let own = [&mut request.pressures, &mut request.phases, &mut request.weights];
-        for (list, with) in own.into_iter().zip([pressures, phases, weights]) {
+        let lists = [&mut request.pressures, &mut request.phases, &mut request.weights];
+        for (list, with) in lists.into_iter().zip([pressures, phases, weights]) {
             match with {
                 None => *list = None,
                 Some(with) => {

@@ -90,7 +90,7 @@ impl Membrane {
 
     /// Returns the displacement in m/Pa of a square of side `step` in m under pressure on it. The square is replaced by
     /// a disc of the same area.
-    fn own(&self, frequency: f64, step: f64) -> Complex64 {
+    fn self_response(&self, frequency: f64, step: f64) -> Complex64 {
         let s = self.decay(frequency);
         let z = s * (step / math::sqrt(PI));
         (1.0 - z * modified_bessel(1, z)) / (s * s * self.tension)
@@ -130,13 +130,13 @@ impl Membrane {
         let [down, across] = [rows, columns].map(|side| (2 * side - 1).next_power_of_two().max(2));
         control.room("the waves of a skin", [0, places], bytes(16, &[2, down, across]))?;
         let waves = Waves { along: Fourier::new(across), up: Fourier::new(down), size: [down, across] };
-        let mut found = vec![Complex32::ZERO; lines.len()];
-        let pairs = lines.chunks_exact(places).zip(found.chunks_exact_mut(places));
+        let mut displacement = vec![Complex32::ZERO; lines.len()];
+        let pairs = lines.chunks_exact(places).zip(displacement.chunks_exact_mut(places));
         for (&frequency, (line, moved)) in frequencies.iter().zip(pairs) {
             let response = waves.spectrum(self, frequency, step, control)?;
             waves.spread(line, columns, &response, moved, control)?;
         }
-        Ok(found)
+        Ok(displacement)
     }
 }
 
@@ -166,7 +166,7 @@ impl Waves {
             control.pulse()?;
             for j in 0..width {
                 quarter[i * width + j] = match (i, j) {
-                    (0, 0) => membrane.own(frequency, step) * share / (step * step),
+                    (0, 0) => membrane.self_response(frequency, step) * share / (step * step),
                     // The response at this distance was computed in row j, because it is symmetric in i and j.
                     _ if j < i && i < width => quarter[j * width + i],
                     _ => membrane.response(frequency, step * math::hypot(i as f64, j as f64)) * share,
@@ -200,9 +200,9 @@ impl Waves {
         let [down, across] = self.size;
         let rows = pressure.len() / columns;
         let mut wide = vec![Complex64::ZERO; rows * across];
-        for (row, given) in wide.chunks_exact_mut(across).zip(pressure.chunks_exact(columns)) {
+        for (row, source) in wide.chunks_exact_mut(across).zip(pressure.chunks_exact(columns)) {
             control.pulse()?;
-            let parts = given.iter().map(|p| Complex64::new(p.re.into(), p.im.into()));
+            let parts = source.iter().map(|p| Complex64::new(p.re.into(), p.im.into()));
             row.iter_mut().zip(parts).for_each(|(to, from)| *to = from);
             self.along.forward(row);
         }

@@ -37,10 +37,10 @@ impl Shifted {
         let count = shares.len();
         let fits = starts.len() == count + 1 && rows.len() == values.len() && starts.last() == Some(&rows.len());
         if !fits || !starts.is_sorted() {
-            let found = format!("{} columns and {} entries", starts.len().saturating_sub(1), rows.len());
-            return Err(Error::invalid("starts", found, format!("give {count} columns that contain all entries")));
+            let sizes = format!("{} columns and {} entries", starts.len().saturating_sub(1), rows.len());
+            return Err(Error::invalid("starts", sizes, format!("give {count} columns that contain all entries")));
         }
-        let mut own = Self {
+        let mut system = Self {
             columns: Columns { starts: vec![0], rows: Vec::new() },
             values: Vec::new(),
             diagonal: vec![0.0; count],
@@ -64,16 +64,16 @@ impl Shifted {
                     return Err(Error::invalid(format!("values[{k}]"), value, "give finite values"));
                 }
                 if row == j {
-                    own.diagonal[j] = value as f32;
+                    system.diagonal[j] = value as f32;
                 } else if row > j {
-                    own.columns.rows.push(rows[k]);
-                    own.values.push(value as f32);
+                    system.columns.rows.push(rows[k]);
+                    system.values.push(value as f32);
                 }
             }
-            own.columns.starts.push(own.columns.rows.len());
+            system.columns.starts.push(system.columns.rows.len());
         }
-        own.factor = own.columns.of_factor();
-        Ok(own)
+        system.factor = system.columns.of_factor();
+        Ok(system)
     }
 
     /// Solves one system for each shift in single precision: returns x (L, V) for `shifts` (L,) and right sides `loads`
@@ -99,7 +99,7 @@ impl Shifted {
         control.room("the factors", [count, self.factor.rows.len()], bytes(8 * SHIFTS, &[self.factor.rows.len()]))?;
         let matrix =
             Matrix { columns: &self.columns, values: &self.values, diagonal: &self.diagonal, shares: &self.shares };
-        let mut found = vec![Complex32::default(); loads.len()];
+        let mut solutions = vec![Complex32::default(); loads.len()];
         let [mut factor, mut wide] = [self.factor.rows.len(), count].map(|length| vec![[[0.0; SHIFTS]; 2]; length]);
         for (group, some) in shifts.chunks(SHIFTS).enumerate() {
             let first = group * SHIFTS;
@@ -119,11 +119,11 @@ impl Shifted {
             solve(set, &matrix, (&self.factor, &mut factor), &lanes, &mut wide, control)?;
             for (row, wide) in wide.iter().enumerate() {
                 for lane in 0..some.len() {
-                    found[(first + lane) * count + row] = Complex32::new(wide[0][lane], wide[1][lane]);
+                    solutions[(first + lane) * count + row] = Complex32::new(wide[0][lane], wide[1][lane]);
                 }
             }
         }
-        Ok(found)
+        Ok(solutions)
     }
 }
 

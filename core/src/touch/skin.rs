@@ -39,8 +39,8 @@ impl Pushes {
             return Err(Error::invalid("rate", rate, "give frames a second, above 0"));
         }
         if count == 0 || places == 0 {
-            let given = alloc::format!("{count} at {places} places");
-            return Err(Error::invalid("frames", given, "give at least one, and one place"));
+            let value = alloc::format!("{count} at {places} places");
+            return Err(Error::invalid("frames", value, "give at least one, and one place"));
         }
         let apart = rate / count as f64;
         // A line at 1 kHz is kept even if rounding has moved its frequency slightly above 1 kHz.
@@ -65,8 +65,8 @@ impl Pushes {
             .map(|k| {
                 let (harmonic, frame) = (1 + k / frames, first + k % frames);
                 let half = PI * harmonic as f64 / count as f64;
-                let kept = math::sin(half) / half * 2.0 / count as f64;
-                let turned = kept * math::phasor(-TAU * (harmonic * frame % count) as f64 / count as f64);
+                let sinc = math::sin(half) / half * 2.0 / count as f64;
+                let turned = sinc * math::phasor(-TAU * (harmonic * frame % count) as f64 / count as f64);
                 Complex32::new(turned.re as f32, turned.im as f32)
             })
             .collect();
@@ -148,14 +148,14 @@ impl Skin {
     ) -> Result<Self, Error> {
         let places = rows * columns;
         let live = live_lines(lines, places.max(1));
-        let kept: Vec<f64> = frequencies.iter().zip(&live).filter(|&(_, &live)| live).map(|(&f, _)| f).collect();
+        let tones: Vec<f64> = frequencies.iter().zip(&live).filter(|&(_, &live)| live).map(|(&f, _)| f).collect();
         let pushing = lines.chunks_exact(places.max(1)).zip(&live).filter(|&(_, &live)| live);
         let pushing: Vec<Complex32> = pushing.flat_map(|(line, _)| line).copied().collect();
-        let moved = membrane.moved(&kept, &pushing, [rows, columns], step, control)?;
+        let moved = membrane.moved(&tones, &pushing, [rows, columns], step, control)?;
         let squares: Vec<f32> = moved.iter().map(Complex32::norm_sqr).collect();
         let slopes: Vec<f32> = moved.chunks_exact(places).flat_map(|line| slopes(line, columns, step)).collect();
-        let fast = Channel::Fast.excess(&kept, &squares, places);
-        let slow = Channel::Slow.excess(&kept, &slopes, places).into_iter().map(|each| reach * each).collect();
+        let fast = Channel::Fast.excess(&tones, &squares, places);
+        let slow = Channel::Slow.excess(&tones, &slopes, places).into_iter().map(|each| reach * each).collect();
         let mut displacement = vec![Complex32::ZERO; lines.len()];
         let into = displacement.chunks_exact_mut(places).zip(&live).filter(|(_, live)| **live);
         into.zip(moved.chunks_exact(places)).for_each(|((to, _), from)| to.copy_from_slice(from));

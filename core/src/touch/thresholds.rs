@@ -82,13 +82,13 @@ impl Channel {
     /// (L,) in Hz.
     #[must_use]
     pub fn excess(self, frequencies: &[f64], squares: &[f32], places: usize) -> Vec<f64> {
-        let mut found = vec![0.0; places];
+        let mut sums = vec![0.0; places];
         for (&frequency, line) in frequencies.iter().zip(squares.chunks_exact(places)) {
             let threshold = self.threshold(frequency);
             let weight = 1.0 / (threshold * threshold);
-            found.iter_mut().zip(line).for_each(|(sum, &square)| *sum += weight * f64::from(square));
+            sums.iter_mut().zip(line).for_each(|(sum, &square)| *sum += weight * f64::from(square));
         }
-        found.into_iter().map(math::sqrt).collect()
+        sums.into_iter().map(math::sqrt).collect()
     }
 }
 

@@ -32,8 +32,8 @@ fn codes_are_those_of_double_precision() {
             let phase = (rng.uniform() * f64::from(phases)).floor() + 0.5 + 2e-5 * (rng.uniform() - 0.5);
             let turns = if rng.uniform() < 0.5 { phase / f64::from(phases) + correction } else { rng.uniform() };
             let level = (rng.uniform() * f64::from(steps.most())).floor() + 0.5 + 2e-5 * (rng.uniform() - 0.5);
-            let own = level / f64::from(steps.most());
-            let amplitude = if rng.uniform() < 0.5 { own } else { rng.uniform() };
+            let middle = level / f64::from(steps.most());
+            let amplitude = if rng.uniform() < 0.5 { middle } else { rng.uniform() };
             let drive = math::phasor(TAU * turns) * amplitude.min(1.0);
             let drive = Complex32::new(drive.re as f32, drive.im as f32);
             assert_eq!(

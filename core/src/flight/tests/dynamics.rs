@@ -59,8 +59,8 @@ fn a_bead_on_a_spring_swings_as_a_cosine_that_friction_damps_and_sags_by_its_wei
             let swing = crate::math::exp(-damping * time)
                 * (crate::math::cos(speed * time) + damping / speed * crate::math::sin(speed * time));
             let sag = particle.weight(air, flight.gravity)[2] / stiffness[i];
-            let wanted = [1e-4 * swing, -2e-4 * swing, sag * (1.0 - swing)];
-            assert!((0..3).all(|axis| (place[axis][i] - wanted[axis]).abs() < 1e-9), "{knot} {i}");
+            let exact = [1e-4 * swing, -2e-4 * swing, sag * (1.0 - swing)];
+            assert!((0..3).all(|axis| (place[axis][i] - exact[axis]).abs() < 1e-9), "{knot} {i}");
         }
     }
 }
@@ -96,18 +96,18 @@ fn every_set_gives_the_same_bits_and_a_flight_that_stops_goes_on_to_the_same() {
     again[0] = start.map(|x| [x; 8]);
     again[2..].as_flattened_mut().as_flattened_mut().fill(f64::NAN);
     let centres = vec![[[0.0; 8]; 3]; 41];
-    let mut found = vec![[[0.0; 8]; 3]; 3];
+    let mut track = vec![[[0.0; 8]; 3]; 3];
     let (mut from, mut calls) = (0, 0);
     while from < 40 {
         let mut reach = [f64::INFINITY; 8];
         reach[0] = if calls < 3 { 1e-5 } else { f64::INFINITY };
         let set = InstructionSet::best();
         from = flight
-            .fly(set, air, &mut again, reach, &forces, &centres, from, &mut found, &mut Control::none())
+            .fly(set, air, &mut again, reach, &forces, &centres, from, &mut track, &mut Control::none())
             .expect("a flight");
         calls += 1;
     }
-    assert!(calls == 4 && again == state && found == places);
+    assert!(calls == 4 && again == state && track == places);
 }
 
 /// Returns the state after a flight of beads that start on the x axis at `places`, in mm. The force has a linear
@@ -161,8 +161,8 @@ fn laps_are_flown_as_forces_that_repeat() {
     again[0] = [2e-4, 0.0, -1e-4].map(|x| [x; 8]);
     again[2..].as_flattened_mut().as_flattened_mut().fill(f64::NAN);
     let centres = vec![[[0.0; 8]; 3]; 61];
-    let mut found = vec![[[0.0; 8]; 3]; 8];
+    let mut track = vec![[[0.0; 8]; 3]; 8];
     let (set, reach, none) = (InstructionSet::best(), [f64::NAN; 8], &mut Control::none());
-    let last = flight.fly(set, air, &mut again, reach, &lap, &centres, 0, &mut found, none).expect("a flight");
-    assert!(last == 140 && again == state && found == places);
+    let last = flight.fly(set, air, &mut again, reach, &lap, &centres, 0, &mut track, none).expect("a flight");
+    assert!(last == 140 && again == state && track == places);
 }

@@ -43,8 +43,8 @@ fn frames_agree_with_the_differential_equation() {
             if k == 0 {
                 let half = Envelope { rate: 2.0 * envelope.rate, ..envelope };
                 let halves = [drives[0], if linear { middle(drives[0], drives[1]) } else { drives[0] }];
-                let wanted = integrated(&half, &halves, start, 20_000);
-                assert!((Complex64::new(f64::from(ends[1].re), f64::from(ends[1].im)) - wanted).norm() < 1e-5);
+                let exact = integrated(&half, &halves, start, 20_000);
+                assert!((Complex64::new(f64::from(ends[1].re), f64::from(ends[1].im)) - exact).norm() < 1e-5);
             }
         }
         assert!((state[0] - integrated(&envelope, &drives, start, 20_000)).norm() < 1e-5, "{linear}");

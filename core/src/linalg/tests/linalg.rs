@@ -45,11 +45,11 @@ fn a_hermitian_system_is_solved_at_every_size() {
         }
         solver.solve(&mut x);
         for k in 0..count {
-            let wanted = Complex64::new(1.0 + k as f64, 2.0 - k as f64);
+            let exact = Complex64::new(1.0 + k as f64, 2.0 - k as f64);
             let got = apply(&matrix, &x, k) + 0.5 * entry(&x, k);
             // The solver is backward stable: the allowed error is the rounding times the norms of matrix and solution,
             // which stay below 1e3 here.
-            assert!((got - wanted).norm() < 1e-3 * count as f64, "{count}: {got} for {wanted}");
+            assert!((got - exact).norm() < 1e-3 * count as f64, "{count}: {got} for {exact}");
         }
         assert!(x.re[count..].iter().all(|&x| x == 0.0));
     }

@@ -8,14 +8,14 @@ use crate::scene::distance;
 fn spaced_points_are_those_of_a_plain_loop() {
     let mut rng = crate::rng::Rng::new(1);
     let points: Vec<[f64; 3]> = (0..400).map(|_| [0; 3].map(|_| 0.02 * rng.uniform() - 0.01)).collect();
-    let mut kept: Vec<[f64; 3]> = Vec::new();
+    let mut apart: Vec<[f64; 3]> = Vec::new();
     for &point in &points {
-        if kept.iter().all(|&other| distance(point, other) >= 0.002) {
-            kept.push(point);
+        if apart.iter().all(|&other| distance(point, other) >= 0.002) {
+            apart.push(point);
         }
     }
-    assert!(kept.len() > 50 && kept.len() < 390);
-    assert_eq!(spaced(points, 0.004), kept);
+    assert!(apart.len() > 50 && apart.len() < 390);
+    assert_eq!(spaced(points, 0.004), apart);
 }
 
 #[test]

@@ -41,8 +41,8 @@ fn frames_are_met_exactly_and_straight_between() {
         let frames = path.frames(1e3 / 3.0).unwrap();
         assert_eq!((frames.points, frames.targets), (places.clone(), [1.0, 2.0].repeat(3)));
         let between = path.at(0.003 * 1.25, 1).place;
-        let wanted = [0, 1, 2].map(|axis| 0.75 * places[3][axis] + 0.25 * places[5][axis]);
-        assert!(distance(between, wanted) < 1e-16);
+        let exact = [0, 1, 2].map(|axis| 0.75 * places[3][axis] + 0.25 * places[5][axis]);
+        assert!(distance(between, exact) < 1e-16);
     }
 }
 
@@ -73,9 +73,10 @@ fn closed_paths_beside_one_another_repeat_until_both_are_back() {
     let both = ring(60.0, 1).beside(&ring(40.0, 2)).unwrap().beside(&ring(20.0, 1)).unwrap();
     assert_eq!((both.points(), both.closed()), (4, true));
     assert!((both.duration() - 0.05).abs() < 1e-15);
-    for (point, (frequency, own, count)) in [(60.0, 0, 1), (40.0, 0, 2), (40.0, 1, 2), (20.0, 0, 1)].iter().enumerate()
+    for (point, (frequency, index, count)) in
+        [(60.0, 0, 1), (40.0, 0, 2), (40.0, 1, 2), (20.0, 0, 1)].iter().enumerate()
     {
-        let alone = ring(*frequency, *count).at(0.041, *own).place;
+        let alone = ring(*frequency, *count).at(0.041, *index).place;
         assert!(distance(both.at(0.041, point).place, alone) < 1e-14);
     }
     assert!(

@@ -14,8 +14,8 @@ fn the_largest_eigenvalue_is_bounded_from_above() {
             }
         }
         let exact = u.iter().map(Complex64::norm_sqr).sum::<f64>() + 0.5;
-        let found = largest_eigenvalue(&matrix, size, &mut Control::none()).expect("no stop");
-        assert!(found >= exact * (1.0 - 1e-12) && found <= exact * (1.0 + 2e-6), "{size}: {found}");
+        let bound = largest_eigenvalue(&matrix, size, &mut Control::none()).expect("no stop");
+        assert!(bound >= exact * (1.0 - 1e-12) && bound <= exact * (1.0 + 2e-6), "{size}: {bound}");
         // With a NaN in the matrix the bound must be NaN.
         matrix[0] = Complex64::new(f64::NAN, 0.0);
         assert!(largest_eigenvalue(&matrix, size, &mut Control::none()).expect("no stop").is_nan());

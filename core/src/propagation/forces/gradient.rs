@@ -181,9 +181,9 @@ impl<'a> Pass<'a> {
         };
         let mut all = vec![seen(&model.sources, AXES)];
         if let Some(scattering) = &model.scattering {
-            let body = scattering.obstacles.given().iter().position(|body| !matches!(body, Obstacle::Wall { .. }));
+            let body = scattering.obstacles.list().iter().position(|body| !matches!(body, Obstacle::Wall { .. }));
             if let Some(k) = body {
-                let noun = scattering.obstacles.given()[k].noun();
+                let noun = scattering.obstacles.list()[k].noun();
                 let cure = "gradients are known beside walls alone: leave it out";
                 return Err(Error::invalid(format!("obstacles[{k}]"), format!("a {noun}"), cure));
             }

@@ -117,7 +117,7 @@ impl Boundary {
         // {:?} writes the shortest text that reads as the same f64.
         let medium = [medium.frequency, medium.sound_speed, medium.absorption];
         let placed = (own.positions(), own.normals(), own.transducer(), medium);
-        format!("{placed:?} {:?}", self.obstacles.given()).into_bytes()
+        format!("{placed:?} {:?}", self.obstacles.list()).into_bytes()
     }
 
     /// Whether the boundary belongs to this array and medium. Responses do not matter.

@@ -36,7 +36,7 @@ impl Scattering {
     /// # Errors
     /// A stop by the caller.
     pub(crate) fn new(sources: &Sources, obstacles: Obstacles, control: &mut Control) -> Result<Self, Error> {
-        let sphere = obstacles.given().iter().find_map(|obstacle| match obstacle {
+        let sphere = obstacles.list().iter().find_map(|obstacle| match obstacle {
             Obstacle::Sphere { center, radius, kind } => {
                 Some(Sphere::new(*center, *radius, *kind, sources.medium, sources.array.positions()))
             }

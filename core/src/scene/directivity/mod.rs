@@ -50,7 +50,7 @@ impl Directivity {
             (None, Some(value)) => {
                 Err(Error::invalid(format!("directivity.{}", law.name), value, "it takes no parameter"))
             }
-            (Some(own), given) => Self { law, parameter: given.unwrap_or(own.default) }.checked(),
+            (Some(range), value) => Self { law, parameter: value.unwrap_or(range.default) }.checked(),
         }
     }
 

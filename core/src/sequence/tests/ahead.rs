@@ -70,15 +70,15 @@ fn judged(model: &Model, points: &[[f64; 3]], targets: &[f64], codes: &[u16], ph
             let points: Vec<_> = there.iter().map(|&j| points[j]).collect();
             let pressures: Vec<f64> = there.iter().map(|&j| targets[j]).collect();
             let parts = |moduli: &[f64]| -> Vec<f64> { moduli.iter().zip(&pressures).map(|(p, t)| p / t).collect() };
-            let own = parts(&moduli(model, &points, codes, phases));
+            let shares = parts(&moduli(model, &points, codes, phases));
             let request = Request { pressures: Some(pressures.clone()), ..Request::default() };
             let problem = Problem::of_model(model, &points, &request, &mut Control::none()).expect("a problem");
             let cold =
                 Uniform::default().solve(&problem.with_aim(Aim::Max), &mut Workspace::new(), &mut Control::none());
             let cold: Vec<f64> = cold.expect("a field").pressures.iter().map(|p| f64::from(p.norm())).collect();
             let cold = parts(&cold);
-            let [least, most] = own.iter().fold([f64::INFINITY, 0.0], |[a, b], &x| [a.min(x), b.max(x)]);
-            [least / most, own.iter().sum::<f64>() / cold.iter().sum::<f64>()]
+            let [least, most] = shares.iter().fold([f64::INFINITY, 0.0], |[a, b], &x| [a.min(x), b.max(x)]);
+            [least / most, shares.iter().sum::<f64>() / cold.iter().sum::<f64>()]
         })
         .collect()
 }
@@ -150,8 +150,8 @@ fn points_come_and_go_and_dead_transducers_keep_code_0() {
     assert!(codes.iter().skip(17).step_by(256).all(|&code| code == 0));
     assert!(largest_step(&codes, 256, &OPEN) <= 8);
     let judged = |frames: core::ops::Range<usize>| {
-        let own = 3 * frames.start..3 * frames.end;
-        judged(&model, &points[own.clone()], &targets[own], &codes[256 * frames.start..256 * frames.end], 256)
+        let range = 3 * frames.start..3 * frames.end;
+        judged(&model, &points[range.clone()], &targets[range], &codes[256 * frames.start..256 * frames.end], 256)
     };
     // A point that appears suddenly is limited by the frames before and after it.
     check(&[judged(0..5), judged(17..20)].concat(), 0.98);
@@ -205,8 +205,8 @@ fn the_number_of_threads_changes_no_code() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         let mut control = Control::none().on(Threads::of(pool.into()));
         let closed = ahead(&model, &points, &[1.0; 72], 24, &CLOSED, None, &mut control).expect("codes");
-        let kept = Ahead { ends: Ends::Held, ..OPEN };
-        [ahead(&model, &points, &[1.0; 72], 24, &kept, Some(&closed), &mut control).expect("codes"), closed]
+        let fixed = Ahead { ends: Ends::Held, ..OPEN };
+        [ahead(&model, &points, &[1.0; 72], 24, &fixed, Some(&closed), &mut control).expect("codes"), closed]
     };
     let alone = with(1);
     assert!([2, 3].into_iter().all(|threads| with(threads) == alone));

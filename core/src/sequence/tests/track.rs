@@ -62,20 +62,20 @@ fn no_track_is_better_than_the_one_found() {
                 let mut tracker = Tracker::new(&circle, FRAMES, set);
                 for end in [Ends::Open, Ends::Closed, Ends::Held] {
                     let closed = end == Ends::Closed;
-                    let kept = (end == Ends::Held).then_some(levels as u16 / 2);
-                    let mut codes = vec![kept.unwrap_or(0); FRAMES];
+                    let start = (end == Ends::Held).then_some(levels as u16 / 2);
+                    let mut codes = vec![start.unwrap_or(0); FRAMES];
                     let planes = [&waves[0][..], &waves[1][..]];
                     tracker.follow(planes, end, &mut codes, &mut Control::none()).expect("it is not stopped");
                     let ends = closed.then(|| (codes[FRAMES - 1], codes[0]));
                     let steps = codes.windows(2).map(|pair| (pair[0], pair[1])).chain(ends);
                     assert!(steps.into_iter().all(|(a, b)| apart(levels, a, b) <= reach), "{levels} {reach} {codes:?}");
-                    let found = gain(&waves, levels, &codes);
-                    assert!(kept.is_none_or(|first| first == codes[0]));
-                    let first = if closed { Some(codes[0]) } else { kept };
+                    let value = gain(&waves, levels, &codes);
+                    assert!(start.is_none_or(|first| first == codes[0]));
+                    let first = if closed { Some(codes[0]) } else { start };
                     let most = best(&waves, levels, reach, closed, first);
-                    assert!((found - most).abs() < 1e-5, "{levels} {reach} {end:?}: {found} of {most}");
+                    assert!((value - most).abs() < 1e-5, "{levels} {reach} {end:?}: {value} of {most}");
                     if closed && set == InstructionSet::SCALAR {
-                        closed_best += usize::from(found > best(&waves, levels, reach, true, None) - 1e-5);
+                        closed_best += usize::from(value > best(&waves, levels, reach, true, None) - 1e-5);
                     }
                 }
             }

@@ -25,7 +25,7 @@ const EXACT: [(u32, f64, f64, f64, f64); 14] = [
 #[test]
 fn bessel_functions_agree_with_scipy() {
     for (order, size, angle, re, im) in EXACT {
-        let (found, exact) = (modified_bessel(order, size * phasor(angle)), Complex64::new(re, im));
-        assert!((found - exact).norm() < 1e-9 * exact.norm(), "K_{order} at {size} e^{angle}j: {found}");
+        let (value, exact) = (modified_bessel(order, size * phasor(angle)), Complex64::new(re, im));
+        assert!((value - exact).norm() < 1e-9 * exact.norm(), "K_{order} at {size} e^{angle}j: {value}");
     }
 }

@@ -27,17 +27,17 @@ fn a_point_load_moves_the_sheet_as_the_closed_form_says() {
             let apart = step * f64::hypot(i as f64 - 7.0, j as f64 - 11.0);
             let exact =
                 step * step * modified_bessel(0, membrane.decay(frequency) * apart) / (TAU * membrane.tension());
-            let found = moved[i * columns + j];
-            let found = Complex64::new(found.re.into(), found.im.into());
-            assert!((found - exact).norm() < 2e-3 * exact.norm(), "{frequency} Hz at {i}, {j}: {found} {exact}");
+            let value = moved[i * columns + j];
+            let value = Complex64::new(value.re.into(), value.im.into());
+            assert!((value - exact).norm() < 2e-3 * exact.norm(), "{frequency} Hz at {i}, {j}: {value} {exact}");
         }
         // At the load itself the displacement is near the mean of the closed form over a fine lattice in the square.
         let fine = 40;
         let part = |k: usize| step * ((k as f64 + 0.5) / fine as f64 - 0.5);
         let parts = (0..fine * fine).map(|k| membrane.response(frequency, f64::hypot(part(k / fine), part(k % fine))));
         let mean = parts.sum::<Complex64>() * step * step / (fine * fine) as f64;
-        let own = moved[7 * columns + 11];
-        assert!((Complex64::new(own.re.into(), own.im.into()) - mean).norm() < 0.01 * mean.norm());
+        let value = moved[7 * columns + 11];
+        assert!((Complex64::new(value.re.into(), value.im.into()) - mean).norm() < 0.01 * mean.norm());
     }
 }
 
@@ -53,9 +53,9 @@ fn the_motion_is_the_sum_of_that_by_each_place_alone() {
     };
     let all: Vec<Vec<Complex32>> = (0..45).map(single).collect();
     let largest = moved.iter().map(|w| w.norm()).fold(0.0, f32::max);
-    for (k, found) in moved.iter().enumerate() {
+    for (k, total) in moved.iter().enumerate() {
         let sum: Complex32 = all.iter().map(|each| each[k]).sum();
-        assert!((found - sum).norm() < 1e-5 * largest);
+        assert!((total - sum).norm() < 1e-5 * largest);
     }
 }
 

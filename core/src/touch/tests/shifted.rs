@@ -58,19 +58,19 @@ fn each_shift_has_the_solution_of_dense_elimination() {
     let loads: Vec<Complex32> =
         (0..17 * 81).map(|_| Complex32::new(rng.uniform() as f32, rng.uniform() as f32)).collect();
     for set in InstructionSet::all() {
-        let found = system.solve(set, &shifts, &loads, &mut Control::none()).expect("it is not stopped");
+        let solutions = system.solve(set, &shifts, &loads, &mut Control::none()).expect("it is not stopped");
         for (k, &shift) in shifts.iter().enumerate() {
             let row = |i: usize| (0..81).map(move |j| (i, j));
             let entry =
                 |(i, j): (usize, usize)| if i == j { dense[i][i] + shift * shares[i] } else { dense[i][j].into() };
             let full = (0..81).map(|i| row(i).map(entry).collect()).collect();
-            let own = k * 81..(k + 1) * 81;
-            let load = loads[own.clone()].iter().map(|z| Complex64::new(z.re.into(), z.im.into())).collect();
+            let range = k * 81..(k + 1) * 81;
+            let load = loads[range.clone()].iter().map(|z| Complex64::new(z.re.into(), z.im.into())).collect();
             let exact = eliminated(full, load);
             let largest = exact.iter().map(|z| z.norm()).fold(0.0, f64::max);
-            for (found, exact) in found[own].iter().zip(exact) {
-                let found = Complex64::new(found.re.into(), found.im.into());
-                assert!((found - exact).norm() < 1e-4 * largest, "{set:?}, shift {k}: {found} {exact}");
+            for (value, exact) in solutions[range].iter().zip(exact) {
+                let value = Complex64::new(value.re.into(), value.im.into());
+                assert!((value - exact).norm() < 1e-4 * largest, "{set:?}, shift {k}: {value} {exact}");
             }
         }
     }

@@ -34,8 +34,8 @@ fn a_line_is_the_amplitude_of_its_cosine() {
     let frames: Vec<f32> = (0..count).map(|t| 3.0 + (TAU * t as f64 / 64.0 + 0.7).cos() as f32).collect();
     pushes.add(0, &frames).expect("added");
     // Constant frames reduce the amplitude by sinc(1/64). Time 0 is the middle of the first frame.
-    let kept = (PI / 64.0).sin() / (PI / 64.0);
-    let exact = Complex32::from_polar(kept as f32, 0.7);
+    let sinc = (PI / 64.0).sin() / (PI / 64.0);
+    let exact = Complex32::from_polar(sinc as f32, 0.7);
     assert!((pushes.lines()[0] - exact).norm() < 1e-5, "{}", pushes.lines()[0]);
     assert!(pushes.lines()[1].norm() < 1e-5);
 }
