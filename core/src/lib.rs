@@ -97,7 +97,7 @@ pub use propagation::forces::gorkov::{Gorkov, gorkov};
 pub use propagation::forces::gradient::{Gradient, gradient};
 pub use propagation::forces::quantity::Quantity;
 pub use propagation::forces::rest::{Rest, poised, rest};
-pub use propagation::{Boundary, KeptField, Model, Propagation, field};
+pub use propagation::{Boundary, FieldMatrix, Model, Propagation, field};
 pub use rng::Rng;
 pub use scene::{
     Aim, Array, Axis, Bead, Body, Choice, Directivity, Extras, Key, Medium, Mesh, Obstacle, OptionValue, Options,

@@ -85,7 +85,7 @@ pub(crate) fn stiffen<'py>(
     let mut codes = codes.as_slice()?.to_vec();
     let threads = limits::threads(py)?;
     let codes = attend(py, progress, |control| {
-        stiffen_tracks(&model, &points, &how, (rate, margin), &mut codes, &mut control.on(threads)).map(|()| codes)
+        stiffen_tracks(&model, &points, &how, rate, margin, &mut codes, &mut control.on(threads)).map(|()| codes)
     })?;
     give::table(py, codes, [frames, model.array().len()])
 }

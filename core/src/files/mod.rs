@@ -124,7 +124,7 @@ pub fn read_motion(
     draw: &mut Draw<'_>,
 ) -> Result<Option<Motion>, Error> {
     let (text, document) = parse(bytes, format, source)?;
-    motion::motion((text, &document), format, source, draw).map_err(|fault| fault.reported(text, format, source))
+    motion::motion(text, &document, format, source, draw).map_err(|fault| fault.reported(text, format, source))
 }
 
 /// Reads a document of points at rest or in motion. Returns the scene to be solved, and the frames of a motion, whose first is
@@ -140,7 +140,7 @@ pub fn open(
 ) -> Result<(Scene, Option<Moving>), Error> {
     let (text, document) = parse(bytes, format, source)?;
     let draw = &mut drawn::undrawn;
-    let motion = motion::motion((text, &document), format, source, draw);
+    let motion = motion::motion(text, &document, format, source, draw);
     match motion.map_err(|fault| fault.reported(text, format, source))? {
         None => {
             let scene = read::scene(&document, source, draw).map_err(|fault| fault.reported(text, format, source))?;

@@ -66,7 +66,8 @@ const RESTING: [&str; 3] = ["points", "shape", "image"];
 
 /// Reads the motion of a document; `None` if it has no `[motion]`.
 pub(super) fn motion(
-    (text, document): (&str, &Node),
+    text: &str,
+    document: &Node,
     format: Format,
     source: Source<'_>,
     draw: &mut Draw<'_>,

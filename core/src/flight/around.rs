@@ -70,7 +70,7 @@ impl<'a> Around<'a> {
         let wavenumber = Complex64::new(2.0 * PI / wavelength, medium.absorption);
         let (radius, unit) = (BALL * wavelength, UNIT * wavelength);
         let rule = rule();
-        let surface = rule.iter().map(|(direction, _)| direction.map(|x| radius * x)).collect();
+        let surface = rule.iter().map(|node| node.way.map(|x| radius * x)).collect();
         let waves = waves(&rule, wavenumber * radius);
         let places = within();
         let mut inside = Vec::with_capacity(PLACES * VALUES * rule.len());
@@ -78,9 +78,9 @@ impl<'a> Around<'a> {
             for value in 0..VALUES {
                 let plane: Vec<Complex64> = rule
                     .iter()
-                    .map(|(direction, _)| {
-                        let slope = |axis: usize| Complex64::I * wavenumber * direction[axis];
-                        let way = unit * dot(*place, *direction);
+                    .map(|node| {
+                        let slope = |axis: usize| Complex64::I * wavenumber * node.way[axis];
+                        let way = unit * dot(*place, node.way);
                         let wave = math::phasor(wavenumber.re * way) * math::exp(-wavenumber.im * way);
                         match value {
                             0 => wave,
@@ -157,13 +157,13 @@ pub(crate) fn monomials([x, y, z]: [f64; 3]) -> [f64; TERMS] {
 
 /// Returns the amplitudes (D, D) of the plane waves for a pressure of 1 in each direction of the rule; see the module's head.
 /// `size` is kR.
-fn waves(rule: &[([f64; 3], f64)], size: Complex64) -> Vec<Vec<Complex64>> {
+fn waves(rule: &[Node], size: Complex64) -> Vec<Vec<Complex64>> {
     let bessel = bessel(size);
     let shares: Vec<Complex64> = (0..=ORDERS)
         .map(|l| (-Complex64::I).powu(l as u32) * (2 * l + 1) as f64 / (bessel[l] * 16.0 * PI * PI))
         .collect();
-    let wave = |(d, w): &([f64; 3], f64), (s, v): &([f64; 3], f64)| {
-        let cosine = dot(*d, *s);
+    let wave = |from: &Node, to: &Node| {
+        let cosine = dot(from.way, to.way);
         let (mut before, mut legendre) = (0.0, 1.0);
         let mut sum = Complex64::ZERO;
         for (l, share) in shares.iter().enumerate() {
@@ -171,16 +171,22 @@ fn waves(rule: &[([f64; 3], f64)], size: Complex64) -> Vec<Vec<Complex64>> {
             let next = ((2 * l + 1) as f64 * cosine * legendre - l as f64 * before) / (l + 1) as f64;
             (before, legendre) = (legendre, next);
         }
-        sum * (w * v)
+        sum * (from.weight * to.weight)
     };
-    rule.iter().map(|one| rule.iter().map(|other| wave(one, other)).collect()).collect()
+    rule.iter().map(|from| rule.iter().map(|to| wave(from, to)).collect()).collect()
 }
 
-/// Returns directions and weights (50,) of a quadrature rule on the sphere, exact to degree 11.
+/// A direction of a quadrature rule on the sphere.
+struct Node {
+    way: [f64; 3],
+    weight: f64,
+}
+
+/// Returns the 50 nodes of a quadrature rule on the sphere, exact to degree 11.
 ///
 /// V. I. Lebedev, USSR Comput. Math. Math. Phys. 16(2), 10 (1976): the directions of the faces, edges and corners of a cube,
 /// and those of (1, 1, 3).
-fn rule() -> Vec<([f64; 3], f64)> {
+fn rule() -> Vec<Node> {
     let mut all = Vec::new();
     let ways = [-3, -1, 0, 1, 3];
     for x in ways {
@@ -195,7 +201,7 @@ fn rule() -> Vec<([f64; 3], f64)> {
                     [1, 1, 3] => 14641.0 / 725_760.0,
                     _ => continue,
                 };
-                all.push((Vec3([x, y, z].map(f64::from)).unit().0, 4.0 * PI * weight));
+                all.push(Node { way: Vec3([x, y, z].map(f64::from)).unit().0, weight: 4.0 * PI * weight });
             }
         }
     }

@@ -97,7 +97,7 @@ impl Flight {
             let centres = &centres[of_lap * self.steps..=(of_lap + 1) * self.steps];
             let ends = [&forces[of_lap], &forces[of_lap + 1]];
             let near = core::array::from_fn(|end| radii[of_lap][end].min(radii[of_lap + 1][end]));
-            let last = advance(set, &laws, (ends, near), centres, from.max(first) - first, &mut beads);
+            let last = advance(set, &laws, ends, near, centres, from.max(first) - first, &mut beads);
             if last == self.steps {
                 places[knot + 1] = *beads.place;
             }

@@ -57,36 +57,37 @@ impl Pull {
 
     /// Adds the gradients of other points.
     pub(crate) fn add(&mut self, other: &Self) {
-        let own = self.drive.iter_mut().chain(&mut self.position).chain(&mut self.normal);
+        let sums = self.drive.iter_mut().chain(&mut self.position).chain(&mut self.normal);
         let other = other.drive.iter().chain(&other.position).chain(&other.normal);
-        own.zip(other).for_each(|(own, other)| (0..EIGHT).for_each(|lane| own[lane] += other[lane]));
+        sums.zip(other).for_each(|(sums, other)| (0..EIGHT).for_each(|lane| sums[lane] += other[lane]));
     }
 }
 
-/// Returns the pressure of some drives at a point, and the largest 1/r; stores in `kept` the values that [`back`]
+/// Returns the pressure of some drives at a point, and the largest 1/r; stores in `sent` the values that [`back`]
 /// needs.
 pub(crate) fn forth(
     set: InstructionSet,
     waves: &Waves,
-    (emitters, drives): (&[Emitters], &[[Eight; 2]]),
+    emitters: &[Emitters],
+    drives: &[[Eight; 2]],
     point: [f64; 3],
-    kept: &mut [Sent],
+    sent: &mut [Sent],
     control: &mut Control,
 ) -> Result<([f64; 2], f64), Error> {
     let (mut sums, mut nearest) = ([[0.0; EIGHT]; 2], [0.0; EIGHT]);
-    let all = emitters.chunks(RUN).zip(drives.chunks(RUN)).zip(kept.chunks_mut(RUN));
-    for ((blocks, drives), kept) in all {
+    let all = emitters.chunks(RUN).zip(drives.chunks(RUN)).zip(sent.chunks_mut(RUN));
+    for ((blocks, drives), sent) in all {
         control.pulse()?;
         dispatch!(set, s => {
             for at in runs(s) {
                 let mut sum = loaded(s, &sums, at);
                 let mut most = V::of(s, &nearest[at..]);
-                for ((block, drive), kept) in blocks.iter().zip(drives).zip(kept.iter_mut()) {
-                    let [own_re, own_im] = send(s, waves, (block, at), point, kept);
+                for ((block, drive), sent) in blocks.iter().zip(drives).zip(sent.iter_mut()) {
+                    let [g_re, g_im] = send(s, waves, block, at, point, sent);
                     let [re, im] = loaded(s, drive, at);
-                    sum[0] = sum[0] + (own_re * re - own_im * im);
-                    sum[1] = sum[1] + (own_re * im + own_im * re);
-                    let near = V::of(s, &kept.near[at..]);
+                    sum[0] = sum[0] + (g_re * re - g_im * im);
+                    sum[1] = sum[1] + (g_re * im + g_im * re);
+                    let near = V::of(s, &sent.near[at..]);
                     most = near.where_less(most, near, most);
                 }
                 sum[0].put(&mut sums[0][at..]);
@@ -98,15 +99,9 @@ pub(crate) fn forth(
     Ok((sums.map(total), nearest.into_iter().fold(0.0, f64::max)))
 }
 
-/// Returns F of at most eight transducers; stores it with 1/r and f g D' in `kept`.
+/// Returns F of at most eight transducers; stores it with 1/r and f g D' in `sent`.
 #[inline(always)]
-fn send<S: Doubles>(
-    s: S,
-    waves: &Waves,
-    (block, at): (&Emitters, usize),
-    point: [f64; 3],
-    kept: &mut Sent,
-) -> [V<S>; 2] {
+fn send<S: Doubles>(s: S, waves: &Waves, block: &Emitters, at: usize, point: [f64; 3], sent: &mut Sent) -> [V<S>; 2] {
     let d = ray(s, point, (&block.position, at));
     let square = dot(d, d);
     // The phase needs only r, so it can begin before `near` is computed.
@@ -116,11 +111,11 @@ fn send<S: Doubles>(
     let [re, im] = loaded(s, &block.factor, at);
     let (cos, sin) = (amplitude * cos, amplitude * sin);
     let g = [cos * re - sin * im, cos * im + sin * re];
-    near.put(&mut kept.near[at..]);
+    near.put(&mut sent.near[at..]);
     let slopes = match &waves.slopes {
         Slopes::One => {
-            g[0].put(&mut kept.wave[0][at..]);
-            g[1].put(&mut kept.wave[1][at..]);
+            g[0].put(&mut sent.wave[0][at..]);
+            g[1].put(&mut sent.wave[1][at..]);
             return g;
         }
         Slopes::Even { square, terms } => even(s, *square, terms, dot(d, loaded(s, &block.normal, at)) * near),
@@ -128,8 +123,8 @@ fn send<S: Doubles>(
     };
     let wave = scaled(g, slopes[0]);
     for part in 0..2 {
-        wave[part].put(&mut kept.wave[part][at..]);
-        (g[part] * slopes[1]).put(&mut kept.bend[part][at..]);
+        wave[part].put(&mut sent.wave[part][at..]);
+        (g[part] * slopes[1]).put(&mut sent.bend[part][at..]);
     }
     wave
 }
@@ -141,23 +136,23 @@ pub(crate) fn back(
     waves: &Waves,
     (emitters, drives): (&[Emitters], &[[Eight; 2]]),
     (point, cotangent): ([f64; 3], [f64; 2]),
-    kept: &[Sent],
+    sent: &[Sent],
     pulls: &mut [Pull],
     control: &mut Control,
 ) -> Result<[f64; 4], Error> {
     let mut sums = [[0.0; EIGHT]; 4];
-    let all = emitters.chunks(RUN).zip(drives.chunks(RUN)).zip(kept.chunks(RUN)).zip(pulls.chunks_mut(RUN));
-    for (((blocks, drives), kept), pulls) in all {
+    let all = emitters.chunks(RUN).zip(drives.chunks(RUN)).zip(sent.chunks(RUN)).zip(pulls.chunks_mut(RUN));
+    for (((blocks, drives), sent), pulls) in all {
         control.pulse()?;
         dispatch!(set, s => {
             let w = list(s, |part| V::all(s, cotangent[part]));
             for at in runs(s) {
                 let mut sum = loaded(s, &sums, at);
-                for (((block, drive), kept), pull) in blocks.iter().zip(drives).zip(kept).zip(pulls.iter_mut()) {
+                for (((block, drive), sent), pull) in blocks.iter().zip(drives).zip(sent).zip(pulls.iter_mut()) {
                     let drive = loaded(s, drive, at);
-                    let own = pulled(s, waves, (block, at), (point, w, drive), kept, pull);
+                    let terms = pulled(s, waves, (block, at), (point, w, drive), sent, pull);
                     for k in 0..4 {
-                        sum[k] = sum[k] + own[k];
+                        sum[k] = sum[k] + terms[k];
                     }
                 }
                 for k in 0..4 {
@@ -175,23 +170,23 @@ fn pulled<S: Doubles>(
     waves: &Waves,
     (block, at): (&Emitters, usize),
     (point, w, q): ([f64; 3], [V<S>; 2], [V<S>; 2]),
-    kept: &Sent,
+    sent: &Sent,
     pull: &mut Pull,
 ) -> [V<S>; 4] {
-    let near = V::of(s, &kept.near[at..]);
+    let near = V::of(s, &sent.near[at..]);
     let d = ray(s, point, (&block.position, at));
     let e = scaled(d, near);
-    let sent = against(w, loaded(s, &kept.wave, at));
-    sent[0].onto(&mut pull.drive[0][at..]);
-    (sent[1] * -1.0).onto(&mut pull.drive[1][at..]);
-    let driven = [sent[0] * q[0] - sent[1] * q[1], sent[0] * q[1] + sent[1] * q[0]];
+    let by_drive = against(w, loaded(s, &sent.wave, at));
+    by_drive[0].onto(&mut pull.drive[0][at..]);
+    (by_drive[1] * -1.0).onto(&mut pull.drive[1][at..]);
+    let driven = [by_drive[0] * q[0] - by_drive[1] * q[1], by_drive[0] * q[1] + by_drive[1] * q[0]];
     let along = (driven[0] * (near + waves.absorption) + driven[1] * waves.wavenumber) * -1.0;
     let mut by_k = dot(d, e) * driven[1] * -1.0;
     let mut v = scaled(e, along);
     if !matches!(waves.slopes, Slopes::One) {
         let n = loaded(s, &block.normal, at);
         let c = dot(e, n);
-        let bend = against(w, loaded(s, &kept.bend, at));
+        let bend = against(w, loaded(s, &sent.bend, at));
         let t = bend[0] * q[0] - bend[1] * q[1];
         let across = t * near;
         for axis in 0..3 {

@@ -14,10 +14,10 @@ const WIDE: usize = 4;
 #[inline(always)]
 fn reduce<S: Simd, const N: usize>(s: S, above: &[f32], row: &mut [f32], i: usize, at: usize) {
     let lanes = row.len();
-    let own = &mut groups_mut(row)[at..at + N];
+    let part = &mut groups_mut(row)[at..at + N];
     let mut rest = [s.splat(0.0); N];
-    for (rest, own) in rest.iter_mut().zip(&*own) {
-        *rest = s.load(own);
+    for (rest, group) in rest.iter_mut().zip(&*part) {
+        *rest = s.load(group);
     }
     for other in above.chunks_exact(lanes) {
         let factor = s.splat(other[i]);
@@ -25,8 +25,8 @@ fn reduce<S: Simd, const N: usize>(s: S, above: &[f32], row: &mut [f32], i: usiz
             *rest = s.fnma(factor, s.load(other), *rest);
         }
     }
-    for (rest, own) in rest.into_iter().zip(own) {
-        s.store(rest, own);
+    for (rest, group) in rest.into_iter().zip(part) {
+        s.store(rest, group);
     }
 }
 
@@ -61,8 +61,8 @@ pub(crate) fn factor(
                 return Ok(false);
             }
             let inverse = s.splat(1.0 / sqrtf(pivot));
-            for own in &mut groups_mut(row)[i / LANES..] {
-                s.store(s.mul(inverse, s.load(own)), own);
+            for group in &mut groups_mut(row)[i / LANES..] {
+                s.store(s.mul(inverse, s.load(group)), group);
             }
             row[i / LANES * LANES..i].fill(0.0);
         }

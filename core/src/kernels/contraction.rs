@@ -61,9 +61,9 @@ pub(crate) fn contract<const COUNT: usize>(
             for ((block, drive), pull) in blocks.iter().zip(drives).zip(pulls.iter_mut()) {
                 for at in runs(s) {
                     let drive = loaded(s, drive, at);
-                    let own = contracted::<_, COUNT>(s, waves, (block, at), (point, drive, weights), pull);
+                    let terms = contracted::<_, COUNT>(s, waves, (block, at), (point, drive, weights), pull);
                     for k in 0..4 {
-                        own[k].onto(&mut sums[k][at..]);
+                        terms[k].onto(&mut sums[k][at..]);
                     }
                 }
             }
@@ -80,15 +80,15 @@ fn contracted<S: Doubles, const COUNT: usize>(
     (point, q, weights): ([f64; 3], C<S>, &Weights),
     pull: &mut Pull,
 ) -> [V<S>; 4] {
-    let c = expand::<S, COUNT>(s, waves, &waves.slopes, (block, at), point);
+    let c = expand::<S, COUNT>(s, waves, &waves.slopes, block, at, point);
     let value = summed(s, &weights.value, &c);
     value[0].onto(&mut pull.drive[0][at..]);
     (value[1] * -1.0).onto(&mut pull.drive[1][at..]);
     let d = ray(s, point, (&block.position, at));
     let mut slopes = [[V::all(s, 0.0); 3]; 2];
     for axis in 0..3 {
-        let own = driven(q, summed(s, &weights.slopes[axis], &c));
-        (slopes[0][axis], slopes[1][axis]) = (own[0], own[1]);
+        let slope = driven(q, summed(s, &weights.slopes[axis], &c));
+        (slopes[0][axis], slopes[1][axis]) = (slope[0], slope[1]);
     }
     let mut grown = driven(q, summed(s, &weights.grown, &c));
     for part in 0..2 {
@@ -106,7 +106,7 @@ fn contracted<S: Doubles, const COUNT: usize>(
         }
     }
     if let Some(widening) = &waves.widening {
-        let c = expand::<S, TERMS>(s, waves, widening, (block, at), point);
+        let c = expand::<S, TERMS>(s, waves, widening, block, at, point);
         by_k = by_k + driven(q, summed(s, &weights.value, &c))[0];
     }
     for axis in 0..3 {

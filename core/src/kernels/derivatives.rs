@@ -44,10 +44,10 @@ pub(crate) fn each(
         control.pulse()?;
         dispatch!(set, s => {
             for at in runs(s) {
-                let own = expand::<_, TERMS>(s, waves, &waves.slopes, (block, at), point);
+                let derivatives = expand::<_, TERMS>(s, waves, &waves.slopes, block, at, point);
                 for part in 0..2 {
                     for term in 0..TERMS {
-                        own[part][term].put(&mut terms[part][term][at..]);
+                        derivatives[part][term].put(&mut terms[part][term][at..]);
                     }
                 }
             }
@@ -71,11 +71,11 @@ pub(crate) fn sum(
         dispatch!(set, s => {
             for block in blocks {
                 for at in runs(s) {
-                    let own = expand::<_, TERMS>(s, waves, &waves.slopes, (block, at), point);
+                    let derivatives = expand::<_, TERMS>(s, waves, &waves.slopes, block, at, point);
                     for part in 0..2 {
                         for term in 0..TERMS {
                             let sum = &mut sums[part][term][at..];
-                            (V::of(s, sum) + own[part][term]).put(sum);
+                            (V::of(s, sum) + derivatives[part][term]).put(sum);
                         }
                     }
                 }
@@ -90,13 +90,14 @@ pub(crate) fn values(
     set: InstructionSet,
     waves: &Waves,
     emitters: &[Emitters],
-    (point, least): ([f64; 3], f64),
+    point: [f64; 3],
+    least: f64,
     out: &mut [[Eight; 2]],
 ) {
     dispatch!(set, s => {
         for (block, out) in emitters.iter().zip(out) {
             for at in runs(s) {
-                let wave = value(s, waves, (block, at), (point, least));
+                let wave = value(s, waves, block, at, point, least);
                 for part in 0..2 {
                     wave[part].put(&mut out[part][at..]);
                 }
@@ -106,7 +107,7 @@ pub(crate) fn values(
 }
 
 #[inline(always)]
-fn value<S: Doubles>(s: S, waves: &Waves, (block, at): (&Emitters, usize), (point, least): ([f64; 3], f64)) -> C<S> {
+fn value<S: Doubles>(s: S, waves: &Waves, block: &Emitters, at: usize, point: [f64; 3], least: f64) -> C<S> {
     let d = ray(s, point, (&block.position, at));
     let (r, least) = (dot(d, d).sqrt(), V::all(s, least));
     let r = least.where_less(r, least, r);
@@ -135,7 +136,8 @@ pub(super) fn expand<S: Doubles, const COUNT: usize>(
     s: S,
     waves: &Waves,
     slopes: &Slopes,
-    (block, at): (&Emitters, usize),
+    block: &Emitters,
+    at: usize,
     point: [f64; 3],
 ) -> [[V<S>; COUNT]; 2] {
     let zero = V::all(s, 0.0);
@@ -160,10 +162,10 @@ pub(super) fn expand<S: Doubles, const COUNT: usize>(
     let slopes = match slopes {
         Slopes::One => {
             constant(out, g0);
-            first(out, near, (g1, e), None);
-            second_third(out, near, (e, n), [g1, g2, g3], None);
+            first(out, near, g1, e, None);
+            second_third(out, near, [e, n], [g1, g2, g3], None);
             if COUNT == MORE_TERMS {
-                fourth(s, out, near, (e, n), [g2, g3, g4], None);
+                fourth(s, out, near, [e, n], [g2, g3, g4], None);
             }
             return *out;
         }
@@ -182,7 +184,7 @@ pub(super) fn expand<S: Doubles, const COUNT: usize>(
     constant(out, by(g0, d));
     let f10 = both(by(g1, d), by(g0, d10));
     let f01 = by(g0, d01);
-    first(out, near, (f10, e), Some((f01, n)));
+    first(out, near, f10, e, Some((f01, n)));
     let f20 = both(both(by(g2, d), by(g1, d10 * 2.0)), by(g0, d20));
     let f11 = both(by(g1, d01), by(g0, d11));
     let f02 = by(g0, d02);
@@ -190,7 +192,7 @@ pub(super) fn expand<S: Doubles, const COUNT: usize>(
     let f21 = both(both(by(g2, d01), by(g1, d11 * 2.0)), by(g0, d21));
     let f12 = both(by(g1, d02), by(g0, d12));
     let f03 = by(g0, d03);
-    second_third(out, near, (e, n), [f10, f20, f30], Some([f11, f02, f21, f12, f03]));
+    second_third(out, near, [e, n], [f10, f20, f30], Some([f11, f02, f21, f12, f03]));
     if COUNT == MORE_TERMS {
         let d4c = d4 * c;
         let (d04, d13) = (d4, (d4c + d3 * 3.0) * -1.0);
@@ -202,7 +204,7 @@ pub(super) fn expand<S: Doubles, const COUNT: usize>(
         let f31 = both(both(by(g3, d01), by(g2, d11 * 3.0)), both(by(g1, d21 * 3.0), by(g0, d31)));
         let f22 = both(both(by(g2, d02), by(g1, d12 * 2.0)), by(g0, d22));
         let f13 = both(by(g1, d03), by(g0, d13));
-        fourth(s, out, near, (e, n), [f20, f30, f40], Some([f21, f31, f12, f22, f13, by(g0, d04)]));
+        fourth(s, out, near, [e, n], [f20, f30, f40], Some([f21, f31, f12, f22, f13, by(g0, d04)]));
     }
     *out
 }
@@ -219,14 +221,15 @@ fn constant<S: Doubles, const COUNT: usize>(out: &mut [[V<S>; COUNT]; 2], f: C<S
 fn first<S: Doubles, const COUNT: usize>(
     out: &mut [[V<S>; COUNT]; 2],
     near: V<S>,
-    (f10, e): (C<S>, [V<S>; 3]),
+    f10: C<S>,
+    e: [V<S>; 3],
     directed: Option<(C<S>, [V<S>; 3])>,
 ) {
     for part in 0..2 {
         for axis in 0..3 {
-            let own = f10[part] * e[axis];
-            let own = if let Some((f01, n)) = directed { own + f01[part] * n[axis] } else { own };
-            out[part][1 + axis] = own * near;
+            let slope = f10[part] * e[axis];
+            let slope = if let Some((f01, n)) = directed { slope + f01[part] * n[axis] } else { slope };
+            out[part][1 + axis] = slope * near;
         }
     }
 }
@@ -236,7 +239,7 @@ fn first<S: Doubles, const COUNT: usize>(
 fn second_third<S: Doubles, const COUNT: usize>(
     out: &mut [[V<S>; COUNT]; 2],
     near: V<S>,
-    (e, n): ([V<S>; 3], [V<S>; 3]),
+    [e, n]: [[V<S>; 3]; 2],
     [f10, f20, f30]: [C<S>; 3],
     directed: Option<[C<S>; 5]>,
 ) {
@@ -283,7 +286,7 @@ fn fourth<S: Doubles, const COUNT: usize>(
     s: S,
     out: &mut [[V<S>; COUNT]; 2],
     near: V<S>,
-    (e, n): ([V<S>; 3], [V<S>; 3]),
+    [e, n]: [[V<S>; 3]; 2],
     [f20, f30, f40]: [C<S>; 3],
     directed: Option<[C<S>; 6]>,
 ) {
@@ -353,23 +356,23 @@ fn cubic<S: Doubles>(l: [V<S>; 3], [xx, xy, xz, yy, yz, zz]: [V<S>; 6]) -> [V<S>
 #[inline(always)]
 fn quartic<S: Doubles>(a: [V<S>; 6], b: [V<S>; 6]) -> [V<S>; 15] {
     let pair = |i: usize, j: usize| a[i] * b[j] + a[j] * b[i];
-    let own = |i: usize| a[i] * b[i];
+    let like = |i: usize| a[i] * b[i];
     [
-        own(0),
+        like(0),
         pair(0, 1),
         pair(0, 2),
-        pair(0, 3) + own(1),
+        pair(0, 3) + like(1),
         pair(0, 4) + pair(1, 2),
-        pair(0, 5) + own(2),
+        pair(0, 5) + like(2),
         pair(1, 3),
         pair(1, 4) + pair(2, 3),
         pair(1, 5) + pair(2, 4),
         pair(2, 5),
-        own(3),
+        like(3),
         pair(3, 4),
-        pair(3, 5) + own(4),
+        pair(3, 5) + like(4),
         pair(4, 5),
-        own(5),
+        like(5),
     ]
 }
 

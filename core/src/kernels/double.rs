@@ -86,10 +86,10 @@ pub(crate) fn divided(set: InstructionSet, rows: &[f64], factors: &[f64], least:
         let mut parts = [[0.0; SPAN]; MOST_ROWS];
         let mut whole = [0.0; SPAN];
         for at in 0..lanes / SPAN {
-            let own = |r: usize| rows[r * lanes + at * SPAN..].first_chunk::<SPAN>().expect("a span");
+            let span = |r: usize| rows[r * lanes + at * SPAN..].first_chunk::<SPAN>().expect("a span");
             let mut d = [0.0; SPAN];
             for (r, factor) in factors.iter().enumerate() {
-                let row = own(r);
+                let row = span(r);
                 for lane in 0..SPAN {
                     d[lane] += factor * row[lane];
                 }
@@ -102,7 +102,7 @@ pub(crate) fn divided(set: InstructionSet, rows: &[f64], factors: &[f64], least:
                 inverse[lane] = 1.0 / root;
             }
             for (r, part) in parts.iter_mut().take(factors.len()).enumerate() {
-                let row = own(r);
+                let row = span(r);
                 for lane in 0..SPAN {
                     part[lane] += row[lane] * inverse[lane];
                 }
@@ -120,10 +120,10 @@ fn combined<const N: usize>(rows: &[f64], size: usize, i: usize, at: usize) -> [
     let mut sums = [[0.0; WIDE]; N];
     for row in rows.chunks_exact(size) {
         let factor = row[i];
-        let own: &[Group; N] = groups(row)[at..].first_chunk().expect("as many groups");
+        let part: &[Group; N] = groups(row)[at..].first_chunk().expect("as many groups");
         for k in 0..N {
             for lane in 0..WIDE {
-                sums[k][lane] += factor * own[k][lane];
+                sums[k][lane] += factor * part[k][lane];
             }
         }
     }
@@ -197,7 +197,7 @@ pub(crate) fn factor(
                 return Ok(false);
             }
             let root = sqrt(pivot);
-            row[i..].iter_mut().for_each(|own| *own /= root);
+            row[i..].iter_mut().for_each(|entry| *entry /= root);
             row[i / WIDE * WIDE..i].fill(0.0);
         }
         Ok(true)
@@ -215,13 +215,13 @@ pub(crate) fn solve(set: InstructionSet, factor: &[f64], b: &mut [f64]) {
         }
         for (i, row) in factor.chunks_exact(size).enumerate().rev() {
             let mut sums = [0.0; WIDE];
-            let own = core::mem::take(&mut b[i]);
+            let x = core::mem::take(&mut b[i]);
             for (u, b) in groups(row).iter().zip(groups(b)).skip(i / WIDE) {
                 for lane in 0..WIDE {
                     sums[lane] += u[lane] * b[lane];
                 }
             }
-            b[i] = (own - total(sums)) / row[i];
+            b[i] = (x - total(sums)) / row[i];
         }
     });
 }

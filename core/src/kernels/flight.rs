@@ -71,13 +71,21 @@ pub(crate) struct Beads<'a> {
     pub(crate) reach: Eight,
 }
 
+/// A force that changes linearly: the `share` of the way between two forces.
+struct Change<'a> {
+    from: &'a Forces,
+    to: &'a Forces,
+    share: f64,
+}
+
 /// Moves the beads from step `first` on along the `centres` of the polynomials, one for each step and one for the
 /// start. The forces change linearly from the first to the second element of `forces`. Returns the last step: the step
 /// of the last centre, or the first step after which a bead is out of reach.
 pub(crate) fn advance(
     set: InstructionSet,
     laws: &Laws,
-    (forces, radii): ([&Forces; 2], Radii),
+    forces: [&Forces; 2],
+    radii: Radii,
     centres: &[Vectors],
     first: usize,
     beads: &mut Beads<'_>,
@@ -86,14 +94,14 @@ pub(crate) fn advance(
         for i in first + 1..centres.len() {
             let share = i as f64 / (centres.len() - 1) as f64;
             let ahead = predicted(s, laws, beads);
-            let pulled = (forces, share);
+            let force = Change { from: forces[0], to: forces[1], share };
             let apart = beads.apart(&ahead[0], &centres[i], laws.unit);
             match radii.iter().filter(|&&radius| radius < apart).count() {
-                0 => correct::<_, 2>(s, laws, pulled, &centres[i], &ahead, beads),
-                1 => correct::<_, 3>(s, laws, pulled, &centres[i], &ahead, beads),
-                2 => correct::<_, 4>(s, laws, pulled, &centres[i], &ahead, beads),
-                3 => correct::<_, 5>(s, laws, pulled, &centres[i], &ahead, beads),
-                _ => correct::<_, DEGREE>(s, laws, pulled, &centres[i], &ahead, beads),
+                0 => correct::<_, 2>(s, laws, &force, &centres[i], &ahead, beads),
+                1 => correct::<_, 3>(s, laws, &force, &centres[i], &ahead, beads),
+                2 => correct::<_, 4>(s, laws, &force, &centres[i], &ahead, beads),
+                3 => correct::<_, 5>(s, laws, &force, &centres[i], &ahead, beads),
+                _ => correct::<_, DEGREE>(s, laws, &force, &centres[i], &ahead, beads),
             }
             if beads.far(&centres[i]) {
                 return i;
@@ -154,7 +162,8 @@ pub(crate) fn begin(set: InstructionSet, laws: &Laws, forces: &Forces, centre: &
             let at = at.min(EIGHT - width(s));
             let of = |all: &Vectors| [V::of(s, &all[0][at..]), V::of(s, &all[1][at..]), V::of(s, &all[2][at..])];
             let (place, speed) = (of(beads.place), of(beads.speed));
-            let pull = pull::<_, DEGREE>(s, laws, ([forces, forces], 0.0), (centre, at), place, speed);
+            let still = Change { from: forces, to: forces, share: 0.0 };
+            let pull = pull::<_, DEGREE>(s, laws, &still, centre, at, place, speed);
             for pulls in &mut *beads.pulls {
                 for axis in 0..3 {
                     pull[axis].put(&mut pulls[axis][at..]);
@@ -214,7 +223,7 @@ fn predicted<S: Doubles>(s: S, laws: &Laws, beads: &Beads<'_>) -> [Vectors; 2] {
 fn correct<S: Doubles, const D: usize>(
     s: S,
     laws: &Laws,
-    forces: ([&Forces; 2], f64),
+    force: &Change<'_>,
     centre: &Vectors,
     ahead: &[Vectors; 2],
     beads: &mut Beads<'_>,
@@ -223,7 +232,7 @@ fn correct<S: Doubles, const D: usize>(
     for at in (0..EIGHT).step_by(width(s)) {
         let at = at.min(EIGHT - S::WIDTH);
         let of = |all: &Vectors| [V::of(s, &all[0][at..]), V::of(s, &all[1][at..]), V::of(s, &all[2][at..])];
-        let new = pull::<_, D>(s, laws, forces, (centre, at), of(&ahead[0]), of(&ahead[1]));
+        let new = pull::<_, D>(s, laws, force, centre, at, of(&ahead[0]), of(&ahead[1]));
         let (place, speed) = (of(beads.place), of(beads.speed));
         let [a, b, c, _] = [of(&beads.pulls[0]), of(&beads.pulls[1]), of(&beads.pulls[2]), of(&beads.pulls[3])];
         for i in 0..3 {
@@ -242,8 +251,9 @@ fn correct<S: Doubles, const D: usize>(
 fn pull<S: Doubles, const D: usize>(
     s: S,
     laws: &Laws,
-    (forces, share): ([&Forces; 2], f64),
-    (centre, at): (&Vectors, usize),
+    change: &Change<'_>,
+    centre: &Vectors,
+    at: usize,
     place: [V<S>; 3],
     speed: [V<S>; 3],
 ) -> [V<S>; 3] {
@@ -252,16 +262,15 @@ fn pull<S: Doubles, const D: usize>(
         x[i] = (place[i] - V::of(s, &centre[i][at..])) * (1.0 / laws.unit);
     }
     let monomials = monomials::<_, D>(V::all(s, 1.0), x);
-    let [from, to] = forces;
     // Sums of the even and of the odd terms. The two sums are independent, so the processor adds both at once.
     let mut sums = [[V::all(s, 0.0); 3]; 2];
     let terms = (D + 1) * (D + 2) * (D + 3) / 6;
     for t in 0..terms {
         let sum = &mut sums[t % 2];
         for i in 0..3 {
-            let before = V::of(s, &from[t][i][at..]);
-            let own = before + (V::of(s, &to[t][i][at..]) - before) * share;
-            sum[i] = sum[i] + own * monomials[t];
+            let before = V::of(s, &change.from[t][i][at..]);
+            let force = before + (V::of(s, &change.to[t][i][at..]) - before) * change.share;
+            sum[i] = sum[i] + force * monomials[t];
         }
     }
     let [mut sum, odd] = sums;

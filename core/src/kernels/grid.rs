@@ -290,8 +290,8 @@ impl Grid {
     ) -> bool {
         dispatch!(set, s => {
             let mut differ = 0;
-            for own in drive.chunks_mut(LANES) {
-                let mut some = Rounding { grid: self, part: 1.0 / factor, common, known: None, q: planar(own), differ };
+            for chunk in drive.chunks_mut(LANES) {
+                let mut some = Rounding { grid: self, part: 1.0 / factor, common, known: None, q: planar(chunk), differ };
                 let [re, im] = [s.load(&some.q[0]), s.load(&some.q[1])];
                 let part = s.splat(some.part);
                 let (re, im) = (s.mul(re, part), s.mul(im, part));
@@ -301,18 +301,18 @@ impl Grid {
                 let least = least * least;
                 some.known = (least > f32::MIN_POSITIVE && s.less(square, s.splat(least)) == 0).then_some(common);
                 if let (Some(phases), Some(_), Some(_)) = (&self.phases, &self.amplitudes, some.known)
-                    && own.len() == LANES
+                    && chunk.len() == LANES
                     && !s.is_short()
                 {
-                    for eight in own.chunks_exact_mut(LANES / 2) {
+                    for eight in chunk.chunks_exact_mut(LANES / 2) {
                         differ |= round_pairs(s, phases, (some.part, common), eight);
                     }
                     continue;
                 }
-                s.apart(own.len(), &mut some);
-                differ |= some.differ & (u32::MAX >> (32 - own.len()));
-                for (own, (re, im)) in own.iter_mut().zip(some.q[0].into_iter().zip(some.q[1])) {
-                    *own = Complex32::new(re, im);
+                s.apart(chunk.len(), &mut some);
+                differ |= some.differ & (u32::MAX >> (32 - chunk.len()));
+                for (q, (re, im)) in chunk.iter_mut().zip(some.q[0].into_iter().zip(some.q[1])) {
+                    *q = Complex32::new(re, im);
                 }
             }
             differ == 0
@@ -371,8 +371,8 @@ pub(crate) fn range(set: InstructionSet, drive: &[Complex32]) -> [f32; 2] {
     let squares = dispatch!(set, s => {
         let (up, zero, full) = (s.splat(UP), s.splat(0.0), s.splat(UP * UP));
         let (mut least, mut most) = (full, zero);
-        for own in drive.chunks(LANES) {
-            let q = planar(own);
+        for chunk in drive.chunks(LANES) {
+            let q = planar(chunk);
             let (re, im) = (s.mul(s.load(&q[0]), up), s.mul(s.load(&q[1]), up));
             let square = s.add(s.mul(re, re), s.mul(im, im));
             most = s.max(square, most);

@@ -57,10 +57,10 @@ pub(crate) fn each(
     mut take: impl FnMut(&[Eight; 2]),
 ) {
     dispatch!(set, s => {
-        for own in panels {
+        for block in panels {
             let mut sent = [[0.0; EIGHT]; 2];
             for at in runs(s) {
-                let [re, im] = eight(s, wave, (own, at), point);
+                let [re, im] = eight(s, wave, block, at, point);
                 re.put(&mut sent[0][at..]);
                 im.put(&mut sent[1][at..]);
             }
@@ -73,19 +73,20 @@ pub(crate) fn each(
 fn eight<S: Doubles>(
     s: S,
     [wavenumber, absorption]: [f64; 2],
-    (own, at): (&Panels, usize),
+    block: &Panels,
+    at: usize,
     point: [f64; 3],
 ) -> [V<S>; 2] {
-    let normal = loaded(s, &own.normal, at);
-    let (beside, along) = (V::of(s, &own.beside[at..]), V::of(s, &own.along[at..]));
+    let normal = loaded(s, &block.normal, at);
+    let (beside, along) = (V::of(s, &block.beside[at..]), V::of(s, &block.along[at..]));
     let mut absorbed = None;
     if absorption > 0.0 {
-        let d = ray(s, point, (&own.center, at));
+        let d = ray(s, point, (&block.center, at));
         let away = dot(d, d).sqrt();
         absorbed = Some((away, away.each(|r| [exp(-absorption * r)])[0]));
     }
     let mut sums = [V::all(s, 0.0); 2];
-    for (node, weight) in own.nodes.iter().zip(&own.weights) {
+    for (node, weight) in block.nodes.iter().zip(&block.weights) {
         let d = ray(s, point, (node, at));
         let r = dot(d, d).sqrt();
         let near = r.inverse();

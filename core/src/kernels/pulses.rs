@@ -76,17 +76,17 @@ impl Pulses {
         let (along, across) = (unit * modulus, unit * Complex32::I * sqrtf((1.0 - modulus) * (1.0 + modulus)));
         let [up, down] = [across + along, across - along].map(|place| self.before(place));
         let beside = if count <= FEW { count } else { BESIDE };
-        let (mut least, mut found) = (4.0 * modulus * modulus, [0, 0]);
+        let (mut least, mut pulse) = (4.0 * modulus * modulus, [0, 0]);
         for start in (count - 1..).take(beside).map(|k| (up + k) % count) {
             for end in (count - 1..).take(beside).map(|k| (down + k) % count) {
                 let width = (end + count - start) % count;
                 let miss = (self.short[start] - self.short[end] - 2.0 * along).norm_sqr();
                 if (1..=count / 2).contains(&width) && miss <= least {
-                    (least, found) = (miss, [start, width]);
+                    (least, pulse) = (miss, [start, width]);
                 }
             }
         }
-        found
+        pulse
     }
 
     /// Returns the drive of the pulse nearest to q.

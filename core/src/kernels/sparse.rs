@@ -85,13 +85,13 @@ fn product(a: &Wide, b: &Wide) -> Wide {
 /// Returns 1/a for each shift.
 #[inline(always)]
 fn inverse(a: &Wide) -> Wide {
-    let mut found = [[0.0; SHIFTS]; 2];
+    let mut quotient = [[0.0; SHIFTS]; 2];
     for lane in 0..SHIFTS {
         let square = a[0][lane] * a[0][lane] + a[1][lane] * a[1][lane];
-        found[0][lane] = a[0][lane] / square;
-        found[1][lane] = -a[1][lane] / square;
+        quotient[0][lane] = a[0][lane] / square;
+        quotient[1][lane] = -a[1][lane] / square;
     }
-    found
+    quotient
 }
 
 /// A matrix A + s B: the pattern and the `values` of A's lower triangle, A's `diagonal`, and that of B (`shares`).
@@ -110,7 +110,8 @@ pub(crate) struct Matrix<'a> {
 pub(crate) fn solve(
     set: InstructionSet,
     matrix: &Matrix,
-    (pattern, factor): (&Columns, &mut [Wide]),
+    pattern: &Columns,
+    factor: &mut [Wide],
     shifts: &Wide,
     b: &mut [Wide],
     control: &mut Control,
@@ -126,8 +127,8 @@ pub(crate) fn solve(
         dispatch!(set, _s => {
             column[j] = shifts.map(|part| part.map(|s| s * matrix.shares[j]));
             column[j][0].iter_mut().for_each(|x| *x += matrix.diagonal[j]);
-            let own = matrix.columns.starts[j]..matrix.columns.starts[j + 1];
-            for (&row, &value) in matrix.columns.rows[own.clone()].iter().zip(&matrix.values[own]) {
+            let range = matrix.columns.starts[j]..matrix.columns.starts[j + 1];
+            for (&row, &value) in matrix.columns.rows[range.clone()].iter().zip(&matrix.values[range]) {
                 column[row as usize][0] = [value; SHIFTS];
             }
             let mut k = head[j];
@@ -147,28 +148,28 @@ pub(crate) fn solve(
             }
             pivots[j] = core::mem::replace(&mut column[j], none);
             inverses[j] = inverse(&pivots[j]);
-            let own = pattern.starts[j]..pattern.starts[j + 1];
-            for (&row, entry) in pattern.rows[own.clone()].iter().zip(&mut factor[own.clone()]) {
+            let range = pattern.starts[j]..pattern.starts[j + 1];
+            for (&row, entry) in pattern.rows[range.clone()].iter().zip(&mut factor[range.clone()]) {
                 *entry = product(&core::mem::replace(&mut column[row as usize], none), &inverses[j]);
             }
-            if let Some(&row) = pattern.rows[own.clone()].first() {
-                at[j] = own.start;
+            if let Some(&row) = pattern.rows[range.clone()].first() {
+                at[j] = range.start;
                 (next[j], head[row as usize]) = (head[row as usize], j);
             }
         });
     }
     dispatch!(set, _s => {
         for j in 0..count {
-            let own = pattern.starts[j]..pattern.starts[j + 1];
+            let range = pattern.starts[j]..pattern.starts[j + 1];
             let x = b[j];
-            for (&row, entry) in pattern.rows[own.clone()].iter().zip(&factor[own]) {
+            for (&row, entry) in pattern.rows[range.clone()].iter().zip(&factor[range]) {
                 subtract_product(&mut b[row as usize], entry, &x);
             }
         }
         for j in (0..count).rev() {
-            let own = pattern.starts[j]..pattern.starts[j + 1];
+            let range = pattern.starts[j]..pattern.starts[j + 1];
             let mut x = product(&b[j], &inverses[j]);
-            for (&row, entry) in pattern.rows[own.clone()].iter().zip(&factor[own]) {
+            for (&row, entry) in pattern.rows[range.clone()].iter().zip(&factor[range]) {
                 subtract_product(&mut x, entry, &b[row as usize]);
             }
             b[j] = x;

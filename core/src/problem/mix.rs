@@ -49,27 +49,28 @@ pub(crate) const ALIKE: f32 = 1e-5;
 /// The root mean square of the additional pressure that a mix may cause at quiet points, relative to the loudest point.
 const QUIET: f32 = 2e-3;
 
-/// Lowers drives of the amplitude `own` to `level` by a mix of two amplitudes, so that no point exceeds its target. Does so
+/// Lowers drives of this `amplitude` to `level` by a mix of two amplitudes, so that no point exceeds its target. Does so
 /// only if pressures were requested and if a single amplitude of the board would be less accurate. `field` is the field of the
 /// drives, computed here if it is `None`. Returns the field of the mix; `None` if no mix is good enough or after a stop, and
 /// the drives then keep their one amplitude.
 pub(crate) fn mix<'w>(
     request: &ArrayRequest,
     drive: &mut [Complex32],
-    (own, level): (f64, f64),
+    amplitude: f64,
+    level: f64,
     field: Option<Planar<'w>>,
     work: &'w Workspace,
     control: &mut Control,
 ) -> Option<Planar<'w>> {
     let quantization = request.setup.quantization.as_deref().filter(|_| request.given);
     let pair = quantization?.between(level)?;
-    // The caller's rounding may have moved some drives to another amplitude of the board; they get the amplitude `own` again.
-    let square = (own * own) as f32;
+    // The caller's rounding may have moved some drives to another amplitude of the board; they get the `amplitude` again.
+    let square = (amplitude * amplitude) as f32;
     for q in drive.iter_mut().filter(|q| (q.norm_sqr() - square).abs() > 2.0 * ALIKE * square && **q != Complex32::ZERO)
     {
-        *q *= (own / math::modulus(*q)) as f32;
+        *q *= (amplitude / math::modulus(*q)) as f32;
     }
-    let [level, below, above] = [level, pair[0], pair[1]].map(|amplitude| (amplitude / own) as f32);
+    let [level, below, above] = [level, pair[0], pair[1]].map(|each| (each / amplitude) as f32);
     let propagation = &request.propagation;
     let full = match field {
         Some(field) => field,

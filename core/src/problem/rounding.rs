@@ -30,7 +30,7 @@ impl Solution {
     ) -> Option<Self> {
         let request = Arc::clone(&problem.targets);
         let whole = !problem.is_stretched() && request.active.len() == request.pascals.len();
-        let field = mix(&request, drive, (1.0, factor), field.filter(|_| whole), work, control)?;
+        let field = mix(&request, drive, 1.0, factor, field.filter(|_| whole), work, control)?;
         Some(Self::with_pressures(request, core::mem::take(drive), &field, status, steps, work))
     }
 
@@ -81,10 +81,10 @@ impl Solution {
         let most = (largest / scale) as f32;
         let common = quantization.nearest(Complex32::new(most, 0.0)).re;
         let alike = quantization.grid().round(set, (factor * scale) as f32, [most, common], &mut self.drive);
-        let known = (alike && of_one).then(|| self.field(f64::from(common), work));
+        let q = f64::from(common);
+        let known = (alike && of_one).then(|| self.field(q, work));
         self.scale *= scale;
-        let amplitudes = (f64::from(common), largest);
-        let mixed = if of_one { mix(&self.request, &mut self.drive, amplitudes, known, work, control) } else { None };
+        let mixed = if of_one { mix(&self.request, &mut self.drive, q, largest, known, work, control) } else { None };
         if let Some(field) = &mixed {
             self.set_pressures(field);
         } else if !alike {

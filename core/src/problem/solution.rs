@@ -269,11 +269,11 @@ impl Solution {
     #[must_use]
     pub fn scene(&self) -> Option<Scene> {
         let ArrayRequest { propagation, setup, .. } = &*self.request;
-        let (array, points, kept) = propagation.origin()?;
+        let (array, points, recipe) = propagation.origin()?;
         let scene = Scene::new(array.clone(), setup.medium, points.to_vec(), self.request.request()).ok()?;
-        let obstacles = kept.and_then(|kept| kept.scattering.as_ref()).map_or(&[][..], |all| all.obstacles.list());
+        let obstacles = recipe.and_then(|from| from.scattering.as_ref()).map_or(&[][..], |all| all.obstacles.list());
         let extras = Extras {
-            signature: kept.and_then(|kept| kept.signature.clone()),
+            signature: recipe.and_then(|recipe| recipe.signature.clone()),
             bead: setup.bead,
             obstacles: obstacles.to_vec(),
             solver: None,

@@ -70,7 +70,7 @@ pub fn field(
         let parts = out.chunks_mut(share).zip(points.chunks(share)).collect();
         control.each(parts, &|(out, points): (&mut [Complex32], &[[f64; 3]]), control| {
             let chunks = out.chunks_mut(CHUNK).zip(points.chunks(CHUNK));
-            chunks.into_iter().try_for_each(|(out, points)| chunk(model, (drive, bodies), points, out, control))
+            chunks.into_iter().try_for_each(|(out, points)| chunk(model, drive, bodies, points, out, control))
         })?;
         if control.step(step + 1, steps, || 0.0).is_break() {
             return Err(Error::stopped());
@@ -82,7 +82,7 @@ pub fn field(
 /// The propagation matrix G at fixed points, stored for many drives: each field is then a matrix product, much faster than
 /// [`field`].
 #[derive(Clone, Debug)]
-pub struct KeptField {
+pub struct FieldMatrix {
     /// Real and imaginary part of the padded rows, one row for each transducer, in units of `reference`.
     planes: [Vec<f32>; 2],
     points: usize,
@@ -91,7 +91,7 @@ pub struct KeptField {
     set: InstructionSet,
 }
 
-impl KeptField {
+impl FieldMatrix {
     /// Computes and stores the propagation matrix G (N, P), 8 bytes for each entry, at any `points` (P, 3) in m of a model
     /// without obstacles.
     ///
@@ -99,15 +99,15 @@ impl KeptField {
     /// The errors of [`field`]; a model with obstacles, which add other waves.
     ///
     /// ```
-    /// use midair::{Array, Complex32, Control, InstructionSet, KeptField, Medium, Model, Plane};
+    /// use midair::{Array, Complex32, Control, InstructionSet, FieldMatrix, Medium, Model, Plane};
     ///
     /// let model = Model::new(&Array::grid(2, 1, 10e-3)?, Medium::default(), InstructionSet::best())?;
     /// let plane = Plane::new(0.1, 0.04, 3, [0.0, 0.0])?;
-    /// let kept = KeptField::new(&model, &plane.points(), &mut Control::none())?;
+    /// let matrix = FieldMatrix::new(&model, &plane.points(), &mut Control::none())?;
     /// let drive = [Complex32::ONE, Complex32::I];
     /// let pressure = midair::field(&model, &drive, &plane.points(), &mut Control::none())?;
-    /// for (own, p) in kept.field(&drive, &mut Control::none())?.iter().zip(pressure) {
-    ///     assert!((own - p).norm() < 1e-3);
+    /// for (product, p) in matrix.field(&drive, &mut Control::none())?.iter().zip(pressure) {
+    ///     assert!((product - p).norm() < 1e-3);
     /// }
     /// # Ok::<(), midair::Error>(())
     /// ```
@@ -151,7 +151,8 @@ impl KeptField {
 /// Computes the field at one chunk of points.
 fn chunk(
     model: &Model,
-    (drive, bodies): (&[Complex32], Option<(&Bodies, &[Complex64])>),
+    drive: &[Complex32],
+    bodies: Option<(&Bodies, &[Complex64])>,
     points: &[[f64; 3]],
     out: &mut [Complex32],
     control: &mut Control,

@@ -100,7 +100,7 @@ impl Jet {
 
     /// Adds `factor` times another jet.
     pub(crate) fn add(&mut self, other: &Self, factor: f64) {
-        self.0.iter_mut().zip(&other.0).for_each(|(own, other)| *own += factor * other);
+        self.0.iter_mut().zip(&other.0).for_each(|(sum, other)| *sum += factor * other);
     }
 
     pub(crate) fn times(&self, other: &Self) -> Self {
@@ -126,7 +126,7 @@ impl Jet {
 
     /// The dot product of the two lists of coefficients.
     pub(crate) fn dot(&self, other: &Self) -> f64 {
-        self.0.iter().zip(&other.0).map(|(own, other)| own * other).sum()
+        self.0.iter().zip(&other.0).map(|(c, other)| c * other).sum()
     }
 
     /// Returns the cotangent of one factor of a product, from the cotangent of the product (`self`) and the other
@@ -142,11 +142,11 @@ impl Jet {
     /// Returns the cotangent of a function, from the cotangent of the function's derivative along an axis (`self`).
     pub(crate) fn back_derivative(&self, axis: usize) -> Self {
         let mut back = Self::ZERO;
-        for (own, exponents) in back.0.iter_mut().zip(&EXPONENTS) {
+        for (entry, exponents) in back.0.iter_mut().zip(&EXPONENTS) {
             if exponents[axis] > 0 {
                 let mut lower = *exponents;
                 lower[axis] -= 1;
-                *own = f64::from(exponents[axis]) * self.0[place(lower)];
+                *entry = f64::from(exponents[axis]) * self.0[place(lower)];
             }
         }
         back

@@ -95,8 +95,8 @@ fn shares(wavenumber: Complex64, radius: f64, s: [f64; 3]) -> [Complex64; TERMS]
         unit *= radius;
         let next = -wavenumber * wavenumber / (4 * l + 6) as f64;
         let above = order.times(&square);
-        for ((term, own), above) in terms.iter_mut().zip(order.coefficients()).zip(above.coefficients()) {
-            *term += factor * (own + next * above);
+        for ((term, c), above) in terms.iter_mut().zip(order.coefficients()).zip(above.coefficients()) {
+            *term += factor * (c + next * above);
         }
     }
     terms

@@ -4,17 +4,17 @@ pub(crate) mod dense;
 pub(crate) mod field;
 pub(crate) mod forces;
 pub(crate) mod jet;
-pub(crate) mod kept;
 pub(crate) mod local;
 pub(crate) mod model;
 pub(crate) mod reach;
+pub(crate) mod recipe;
 pub(crate) mod scattering;
 pub(crate) mod sources;
 pub(crate) mod strips;
 pub(crate) mod taylor;
 
 pub(crate) use field::field_of;
-pub use field::{KeptField, field};
+pub use field::{FieldMatrix, field};
 pub use model::Model;
 pub use scattering::boundary::Boundary;
 pub(crate) use sources::Sources;
@@ -29,7 +29,7 @@ use crate::error::{Error, one_each};
 use crate::kernels::propagate::rows;
 use crate::kernels::{self, ControlPoints, InstructionSet, Row, padded};
 use crate::math;
-use crate::propagation::kept::{Kept, Known};
+use crate::propagation::recipe::{Known, Recipe};
 use crate::scene::{Array, Scene, Signature, UNITS};
 
 /// The matrix G, one row for each transducer. Rows are computed from positions when needed, or come from a matrix of the user's
@@ -59,19 +59,19 @@ enum Rows {
         planar: Arc<[Vec<f32>; 2]>,
         reference: f64,
         /// The obstacles, signature or channels that the entries were computed from; `None` for a user's own matrix.
-        kept: Option<Arc<Kept>>,
+        recipe: Option<Arc<Recipe>>,
     },
 }
 
 /// The array and the points (M, 3) in m from which the propagation matrix G was computed, and its obstacles and signature.
-type Origin<'a> = (&'a Array, &'a [[f64; 3]], Option<&'a Kept>);
+type Origin<'a> = (&'a Array, &'a [[f64; 3]], Option<&'a Recipe>);
 
 /// Compares the data that the propagation matrix G is computed from; the instruction set is ignored.
 impl PartialEq for Propagation {
     fn eq(&self, other: &Self) -> bool {
         match (&self.rows, &other.rows) {
-            (Rows::Stored { matrix, kept, .. }, Rows::Stored { matrix: others, kept: theirs, .. }) => {
-                self.count == other.count && matrix == others && kept == theirs
+            (Rows::Stored { matrix, recipe, .. }, Rows::Stored { matrix: others, recipe: theirs, .. }) => {
+                self.count == other.count && matrix == others && recipe == theirs
             }
             (Rows::Computed { sources, points, .. }, Rows::Computed { sources: others, points: elsewhere, .. }) => {
                 sources.array == others.array && sources.medium == others.medium && points == elsewhere
@@ -96,33 +96,33 @@ impl Propagation {
     }
 
     /// Returns a stored propagation matrix G at points that have been checked. Columns that are `known` are not computed again.
-    pub(crate) fn kept(kept: Kept, known: Known<'_>, set: InstructionSet) -> Result<Self, Error> {
-        let (count, reference) = (kept.points.len(), kept.sources.reference());
-        Ok(Self::stored((kept.make.matrix)(&kept, known)?, count, reference, set, Some(kept.into())))
+    pub(crate) fn from_recipe(recipe: Recipe, known: Known<'_>, set: InstructionSet) -> Result<Self, Error> {
+        let (count, reference) = (recipe.points.len(), recipe.sources.reference());
+        Ok(Self::stored((recipe.make.matrix)(&recipe, known)?, count, reference, set, Some(recipe.into())))
     }
 
     /// Returns the propagation matrix G with one column for each channel: the sum of its transducers' columns. A user's own
     /// matrix has such columns already.
     pub(crate) fn driven(self, channels: Option<&Channels>) -> Result<Self, Error> {
         let Some(channels) = channels else { return Ok(self) };
-        let mut kept = match &self.rows {
-            Rows::Computed { sources, points, .. } => Kept {
+        let mut recipe = match &self.rows {
+            Rows::Computed { sources, points, .. } => Recipe {
                 sources: Arc::clone(sources),
                 points: Arc::clone(points),
                 scattering: None,
                 signature: None,
                 channels: None,
-                make: Kept::BARE,
+                make: Recipe::BARE,
             },
-            Rows::Stored { kept: Some(kept), .. } => Kept::clone(kept),
-            Rows::Stored { kept: None, .. } => return Ok(self),
+            Rows::Stored { recipe: Some(recipe), .. } => Recipe::clone(recipe),
+            Rows::Stored { recipe: None, .. } => return Ok(self),
         };
-        if kept.channels.is_some() {
+        if recipe.channels.is_some() {
             return Ok(self);
         }
         one_each("array.channels", channels.of().len(), "values", self.transducers(), "transducers")?;
-        kept.channels = Some(channels.clone());
-        Self::kept(kept, (&[], &[]), self.set)
+        recipe.channels = Some(channels.clone());
+        Self::from_recipe(recipe, Known::default(), self.set)
     }
 
     /// Returns the same propagation matrix G with another instruction set for its kernels.
@@ -166,7 +166,7 @@ impl Propagation {
         count: usize,
         reference: f64,
         set: InstructionSet,
-        kept: Option<Arc<Kept>>,
+        recipe: Option<Arc<Recipe>>,
     ) -> Self {
         let lanes = padded(count);
         let unit = 1.0 / reference;
@@ -179,7 +179,7 @@ impl Propagation {
         }
         Self {
             count,
-            rows: Rows::Stored { matrix, planar: Arc::new(planar), reference, kept },
+            rows: Rows::Stored { matrix, planar: Arc::new(planar), reference, recipe },
             set,
             rows_follow: false,
         }
@@ -191,7 +191,7 @@ impl Propagation {
     /// # Errors
     /// Another number of entries than transducers, a propagation matrix G that is computed from an array.
     pub fn with_mask(mut self, mask: &[bool]) -> Result<Self, Error> {
-        let Rows::Stored { matrix, planar, kept: None, .. } = &mut self.rows else {
+        let Rows::Stored { matrix, planar, recipe: None, .. } = &mut self.rows else {
             return Err(Error::conflict("mask", "given", "an array has its own: give it there"));
         };
         let transducers = matrix.len() / self.count;
@@ -240,7 +240,7 @@ impl Propagation {
     pub(crate) fn origin(&self) -> Option<Origin<'_>> {
         match &self.rows {
             Rows::Computed { sources, points, .. } => Some((&sources.array, points, None)),
-            Rows::Stored { kept, .. } => kept.as_ref().map(|kept| (&kept.sources.array, &*kept.points, Some(&**kept))),
+            Rows::Stored { recipe, .. } => recipe.as_ref().map(|r| (&r.sources.array, &*r.points, Some(&**r))),
         }
     }
 
@@ -274,13 +274,8 @@ impl Propagation {
         assert!(re.len() == self.lanes() && im.len() == self.lanes(), "a row is M padded to 16 long");
         match &self.rows {
             Rows::Computed { sources, frame, .. } => {
-                kernels::row(
-                    self.set,
-                    &sources.radiation,
-                    (&sources.transducers, i),
-                    self.padded_points(frame),
-                    &mut Row { re, im },
-                );
+                let (points, out) = (self.padded_points(frame), &mut Row { re, im });
+                kernels::row(self.set, &sources.radiation, &sources.transducers, i, points, out);
             }
             Rows::Stored { planar, .. } => {
                 let range = i * self.lanes()..(i + 1) * self.lanes();
@@ -315,10 +310,11 @@ impl Propagation {
     pub(crate) fn carry(&mut self, points: &[[f64; 3]]) -> Result<(), Error> {
         let (sources, frame, old) = match &mut self.rows {
             Rows::Computed { sources, frame, points } => (sources, frame, points),
-            Rows::Stored { kept: Some(kept), matrix, .. } => {
-                kept.sources.check_points(points)?;
-                let moved = Kept { points: points.into(), ..Kept::clone(kept) };
-                return Self::kept(moved, (&kept.points, matrix), self.set).map(|moved| *self = moved);
+            Rows::Stored { recipe: Some(recipe), matrix, .. } => {
+                recipe.sources.check_points(points)?;
+                let moved = Recipe { points: points.into(), ..Recipe::clone(recipe) };
+                return Self::from_recipe(moved, Known { points: &recipe.points, entries: matrix }, self.set)
+                    .map(|moved| *self = moved);
             }
             Rows::Stored { .. } => return Err(Error::given_points()),
         };
@@ -352,11 +348,11 @@ impl Propagation {
                 let points = chosen.iter().map(|&j| points[j]).collect();
                 Self { rows_follow: self.rows_follow, ..Self::at(Arc::clone(sources), points, self.set) }
             }
-            Rows::Stored { matrix, reference, kept, .. } => {
+            Rows::Stored { matrix, reference, recipe, .. } => {
                 let rows = matrix.chunks(self.count);
                 let picked = rows.flat_map(|row| chosen.iter().map(move |&j| row[j])).collect();
-                let kept = kept.as_ref().map(|kept| kept.select(chosen).into());
-                Self::stored(picked, chosen.len(), *reference, self.set, kept)
+                let recipe = recipe.as_ref().map(|recipe| recipe.select(chosen).into());
+                Self::stored(picked, chosen.len(), *reference, self.set, recipe)
             }
         }
     }

@@ -10,7 +10,7 @@ use crate::device::channels::Channels;
 use crate::error::Error;
 use crate::kernels::InstructionSet;
 use crate::propagation::Propagation;
-use crate::propagation::kept::{Kept, Make};
+use crate::propagation::recipe::{Known, Make, Recipe};
 use crate::propagation::scattering::Scattering;
 use crate::propagation::scattering::bodies::Bodies;
 use crate::propagation::scattering::boundary::Boundary;
@@ -111,7 +111,7 @@ impl Model {
         boundary.check_sound(sound)?;
         let scattering = Scattering::new(&self.sources, boundary.obstacles.clone(), &mut Control::none())?;
         let scattering = scattering.with_bodies(Bodies::of_boundary(boundary, sound));
-        Ok(Self { scattering: Some(Arc::new(scattering)), make: Some(Kept::MAKE), ..self })
+        Ok(Self { scattering: Some(Arc::new(scattering)), make: Some(Recipe::MAKE), ..self })
     }
 
     fn scattered(mut self, obstacles: &Obstacles, control: &mut Control) -> Result<Self, Error> {
@@ -119,7 +119,7 @@ impl Model {
         self.make = self.signature.as_ref().and(self.make);
         if !obstacles.is_empty() {
             self.scattering = Some(Arc::new(Scattering::new(&self.sources, obstacles.clone(), control)?));
-            self.make = Some(Kept::MAKE);
+            self.make = Some(Recipe::MAKE);
         }
         Ok(self)
     }
@@ -133,8 +133,8 @@ impl Model {
     /// Returns a copy of this model with a signature. Only solvers use it: the field of a drive is that of the array itself.
     #[must_use]
     pub fn with_signature(self, signature: Option<Signature>) -> Self {
-        let kept = signature.is_some() || self.scattering.is_some();
-        Self { signature, make: kept.then_some(Kept::MAKE), ..self }
+        let is_stored = signature.is_some() || self.scattering.is_some();
+        Self { signature, make: is_stored.then_some(Recipe::MAKE), ..self }
     }
 
     /// Returns a copy of this model that states whether the method computes the rows of the propagation matrix G one
@@ -179,15 +179,15 @@ impl Model {
     fn columns(&self, points: &[[f64; 3]], channels: Option<Channels>) -> Result<Propagation, Error> {
         self.sources.check_points(points)?;
         let sources = Arc::clone(&self.sources);
-        let Some(make) = self.make.or(channels.as_ref().map(|_| Kept::BARE)) else {
+        let Some(make) = self.make.or(channels.as_ref().map(|_| Recipe::BARE)) else {
             return Ok(Propagation {
                 rows_follow: self.rows_follow,
                 ..Propagation::at(sources, points.into(), self.set)
             });
         };
         let (scattering, signature) = (self.scattering.clone(), self.signature.clone());
-        let kept = Kept { sources, points: points.into(), scattering, signature, channels, make };
-        Propagation::kept(kept, (&[], &[]), self.set)
+        let recipe = Recipe { sources, points: points.into(), scattering, signature, channels, make };
+        Propagation::from_recipe(recipe, Known::default(), self.set)
     }
 
     /// The bytes of a stored propagation matrix G for each point, in f64 and f32; 0 if G is computed when needed.

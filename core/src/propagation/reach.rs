@@ -72,16 +72,17 @@ impl Propagation {
                 amplitudes.sums.resize(lanes, 0.0);
                 for run in runs {
                     control.pulse()?;
-                    let own = &mut amplitudes.rows[run.members.start * wide..run.members.end * wide];
-                    if kernels::keep_moduli(self.set, &run, place, NEAR, &mut amplitudes.sums, own) {
+                    let rows = &mut amplitudes.rows[run.members.start * wide..run.members.end * wide];
+                    if kernels::keep_moduli(self.set, &run, place, NEAR, &mut amplitudes.sums, rows) {
                         near(sources, run)?;
                     }
                     reach.iter_mut().zip(&amplitudes.sums).for_each(|(reach, &sum)| *reach += f64::from(sum));
                 }
             }
-            Rows::Stored { matrix, reference, kept, .. } => {
-                if let Some(kept) = kept {
-                    (0..kept.sources.array.len()).try_for_each(|i| kept.sources.check_distances(i, &kept.points))?;
+            Rows::Stored { matrix, reference, recipe, .. } => {
+                if let Some(recipe) = recipe {
+                    (0..recipe.sources.array.len())
+                        .try_for_each(|i| recipe.sources.check_distances(i, &recipe.points))?;
                 }
                 for row in matrix.chunks(self.count) {
                     control.pulse()?;
@@ -106,10 +107,10 @@ impl Propagation {
     }
 
     /// The rows in the form that the kernels read, with the amplitudes that [`Propagation::reach`] stored.
-    pub(crate) fn rows_of<'a>(&'a self, kept: &'a Amplitudes) -> rows::Rows<'a> {
+    pub(crate) fn rows_of<'a>(&'a self, known: &'a Amplitudes) -> rows::Rows<'a> {
         match self.rows() {
             rows::Rows::Computed { radiation, sources, control_points, .. } => {
-                rows::Rows::Computed { radiation, sources, control_points, amplitudes: &kept.rows }
+                rows::Rows::Computed { radiation, sources, control_points, amplitudes: &known.rows }
             }
             stored @ rows::Rows::Stored { .. } => stored,
         }

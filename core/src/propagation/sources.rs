@@ -75,8 +75,8 @@ impl Sources {
         // The kernels compute the padding too, so it repeats the last point. Padding with zeros may lie so far from the
         // array that absorption makes its results denormal numbers, each of which takes a hundred cycles.
         for axis in frame {
-            let (own, padding) = axis.split_at_mut(points.len());
-            if let Some(&last) = own.last() {
+            let (places, padding) = axis.split_at_mut(points.len());
+            if let Some(&last) = places.last() {
                 padding.fill(last);
             }
         }

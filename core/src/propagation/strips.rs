@@ -86,10 +86,10 @@ impl<'w> Strips<'w> {
     pub(crate) fn powers(&mut self, control: &mut Control) -> Result<Buffer<'w, f32>, Error> {
         let (set, work) = (self.propagation.instruction_set(), self.work);
         let mut powers = work.floats.take(self.order.len());
-        let mut own = work.floats.take_any(self.order.len());
+        let mut part = work.floats.take_any(self.order.len());
         self.each(control, |_, tiles, _| {
-            products::powers(set, tiles, &mut own);
-            powers.iter_mut().zip(&own).for_each(|(power, own)| *power += own);
+            products::powers(set, tiles, &mut part);
+            powers.iter_mut().zip(&part).for_each(|(power, part)| *power += part);
             Ok(())
         })?;
         Ok(powers)
@@ -122,12 +122,12 @@ impl<'w> Strips<'w> {
     pub(crate) fn field(&mut self, drives: &mut Drives<'_>, control: &mut Control) -> Result<Planar<'w>, Error> {
         let (set, work) = (self.propagation.instruction_set(), self.work);
         let mut field = Planar::zeros(1, self.propagation.lanes(), work);
-        let mut own = [(); 2].map(|()| work.floats.take_any(tiles::height(self.order.len())));
+        let mut part = [(); 2].map(|()| work.floats.take_any(tiles::height(self.order.len())));
         self.each(control, |lanes, tiles, _| {
             let drive = drives.each_mut().map(|plane| &mut plane[lanes.clone()]);
-            tiles::play(set, tiles, tiles::Wave { drive, field: own.each_mut().map(|plane| &mut plane[..]) });
-            for (field, own) in [&mut field.re, &mut field.im].into_iter().zip(&own) {
-                field.iter_mut().zip(own).for_each(|(field, own)| *field += own);
+            tiles::play(set, tiles, tiles::Wave { drive, field: part.each_mut().map(|plane| &mut plane[..]) });
+            for (field, part) in [&mut field.re, &mut field.im].into_iter().zip(&part) {
+                field.iter_mut().zip(part).for_each(|(field, part)| *field += part);
             }
             Ok(())
         })?;
@@ -154,11 +154,11 @@ impl<'w> Strips<'w> {
             if let Some(factors) = factors {
                 let roots = &mut roots[..tiles.lanes];
                 roots.iter_mut().zip(&factors[range]).for_each(|(root, factor)| *root = sqrtf(*factor));
-                for (own, plane) in weighed.iter_mut().zip(tiles.planes) {
-                    own[..plane.len()].copy_from_slice(plane);
-                    tiles::weigh(set, &mut own[..plane.len()], roots);
+                for (scaled, plane) in weighed.iter_mut().zip(tiles.planes) {
+                    scaled[..plane.len()].copy_from_slice(plane);
+                    tiles::weigh(set, &mut scaled[..plane.len()], roots);
                 }
-                planes = weighed.each_ref().map(|own| &own[..tiles.planes[0].len()]);
+                planes = weighed.each_ref().map(|scaled| &scaled[..tiles.planes[0].len()]);
             }
             let to = [&mut product.re[..], &mut product.im[..]];
             products::couplings(set, Tiles { planes, ..tiles }, 0..tiles.lanes / LANES, count, to, control)

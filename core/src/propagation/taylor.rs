@@ -43,7 +43,7 @@ impl Taylor {
     /// Adds the waves of all transducers around a point to a pressure, given as real and imaginary part.
     pub(crate) fn add(&self, point: [f64; 3], pressure: &mut [Jet; 2], control: &mut Control) -> Result<(), Error> {
         let sums = derivatives::sum(self.set, &self.waves, &self.emitters, point, control)?;
-        pressure.iter_mut().zip(sums).for_each(|(own, sum)| own.add(&Jet::of(sum), 1.0));
+        pressure.iter_mut().zip(sums).for_each(|(part, sum)| part.add(&Jet::of(sum), 1.0));
         Ok(())
     }
 
@@ -70,7 +70,7 @@ pub(crate) fn add_exact(sources: &Sources, points: &[[f64; 3]], rows: &mut [Vec<
         Taylor::new(InstructionSet::best(), sources, |i| sources.array.effect(i));
     let mut values = vec![[[0.0; EIGHT]; 2]; emitters.len()];
     for (point, row) in points.iter().zip(rows) {
-        derivatives::values(set, &waves, &emitters, (*point, sources.medium.wavelength() / 100.0), &mut values);
+        derivatives::values(set, &waves, &emitters, *point, sources.medium.wavelength() / 100.0, &mut values);
         for (members, [re, im]) in members.chunks(EIGHT).zip(&values) {
             members.iter().zip(re.iter().zip(im)).for_each(|(&i, (&re, &im))| row[i] += Complex64::new(re, im));
         }

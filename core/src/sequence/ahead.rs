@@ -103,10 +103,10 @@ pub fn ahead(
         }
     };
     let mut weights = ComplexWeights::of(&frames, &guess);
-    step(&frames, (1, steps), &guess, control)?;
+    step(&frames, 1, steps, &guess, control)?;
     for round in 0..ahead.rounds as usize {
-        let field = follow(&frames, &weights, (&circle, ahead.ends), &mut codes, control)?;
-        step(&frames, (round + 2, steps), &field, control)?;
+        let field = follow(&frames, &weights, &circle, ahead.ends, &mut codes, control)?;
+        step(&frames, round + 2, steps, &field, control)?;
         weights.read(&frames, &field);
     }
     let mut by_frames = vec![0; codes.len()];
@@ -155,12 +155,7 @@ pub(super) fn transpose(from: &[u16], rows: usize, to: &mut [u16]) {
 }
 
 /// Reports a step to the caller; returns an error if it requests a stop.
-fn step(
-    frames: &Frames,
-    (step, steps): (usize, usize),
-    field: &[Vec<f32>; 2],
-    control: &mut Control,
-) -> Result<(), Error> {
+fn step(frames: &Frames, step: usize, steps: usize, field: &[Vec<f32>; 2], control: &mut Control) -> Result<(), Error> {
     match control.step(step, steps, || frames.unevenness(field)) {
         core::ops::ControlFlow::Continue(()) => Ok(()),
         core::ops::ControlFlow::Break(()) => Err(Error::stopped()),

@@ -94,7 +94,8 @@ impl ComplexWeights {
 pub(super) fn follow(
     frames: &Frames,
     weights: &ComplexWeights,
-    (circle, ends): (&Circle, Ends),
+    circle: &Circle,
+    ends: Ends,
     codes: &mut [u16],
     control: &mut Control,
 ) -> Result<[Vec<f32>; 2], Error> {

@@ -55,7 +55,8 @@ pub fn stiffen(
     model: &Model,
     points: &[[f64; 3]],
     how: &Ahead,
-    (rate, margin): (f64, usize),
+    rate: f64,
+    margin: usize,
     codes: &mut [u16],
     control: &mut Control,
 ) -> Result<(), Error> {
@@ -176,9 +177,10 @@ impl Lap<'_> {
     fn traps(&self, t: usize, drive: &[Complex32], control: &mut Control) -> Result<Option<Stiffness>, Error> {
         let each = self.frames.points;
         let first = t % TOGETHER * each;
-        let Some((.., Some(kept))) = self.frames.blocks[t / TOGETHER].origin() else { return Ok(None) };
-        let kept = kept.select(&(first..first + each).collect::<Vec<_>>());
-        let Some(mut traps) = (kept.make.stiffness)(&kept, self.frames.model.bead(), control)? else { return Ok(None) };
+        let Some((.., Some(recipe))) = self.frames.blocks[t / TOGETHER].origin() else { return Ok(None) };
+        let recipe = recipe.select(&(first..first + each).collect::<Vec<_>>());
+        let bead = self.frames.model.bead();
+        let Some(mut traps) = (recipe.make.stiffness)(&recipe, bead, control)? else { return Ok(None) };
         let places = |t: usize| &self.points[t * each..(t + 1) * each];
         let count = self.frames.count;
         let around = if self.closed {

@@ -202,7 +202,7 @@ impl Session {
         let mut done = 0;
         while done < count {
             let end = count.min(done + share * threads);
-            let parts = parts((drives, &mut pressures, &mut outcomes), done..end, share);
+            let parts = parts(drives, &mut pressures, &mut outcomes, done..end, share);
             let pairs = parts.into_iter().zip(&mut *workers).collect();
             let run = |(part, worker): (Part<'_>, &mut Worker), control: &mut Control| {
                 worker.run(part, task, requests, control)

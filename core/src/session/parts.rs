@@ -40,7 +40,9 @@ impl Part<'_> {
 
 /// Splits the drives, pressures and outcomes of the problems `range` into parts of `share` problems.
 pub(super) fn parts<'a>(
-    (drives, pressures, outcomes): (&'a mut [Complex32], &'a mut [Complex32], &'a mut [Outcome]),
+    drives: &'a mut [Complex32],
+    pressures: &'a mut [Complex32],
+    outcomes: &'a mut [Outcome],
     range: Range<usize>,
     share: usize,
 ) -> Vec<Part<'a>> {

@@ -116,7 +116,7 @@ impl Shifted {
                     (wide[0][lane], wide[1][lane]) = (load.re, load.im);
                 }
             }
-            solve(set, &matrix, (&self.factor, &mut factor), &lanes, &mut wide, control)?;
+            solve(set, &matrix, &self.factor, &mut factor, &lanes, &mut wide, control)?;
             for (row, wide) in wide.iter().enumerate() {
                 for lane in 0..some.len() {
                     solutions[(first + lane) * count + row] = Complex32::new(wide[0][lane], wide[1][lane]);

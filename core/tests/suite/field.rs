@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use midair::{
-    Array, Axis, Complex32, Complex64, Control, Directivity, Error, InstructionSet, KeptField, Medium, Model, Obstacle,
-    Plane, Progress, Request, Rng, Scene, Signature, Surface, Transducer,
+    Array, Axis, Complex32, Complex64, Control, Directivity, Error, FieldMatrix, InstructionSet, Medium, Model,
+    Obstacle, Plane, Progress, Request, Rng, Scene, Signature, Surface, Transducer,
 };
 
 use crate::oracle;
@@ -59,28 +59,28 @@ fn planes_and_points_have_the_oracles_field() {
 }
 
 #[test]
-fn a_field_that_is_kept_is_the_field_of_every_drive() {
+fn a_field_matrix_gives_the_field_of_every_drive() {
     let scene = real();
     let model = model_of(&scene);
     // Some of the places are positions of transducers.
     let mut places = Plane::new(0.0, 0.2, 21, [0.01, -0.02]).expect("a plane").points();
     places.extend_from_slice(&scene.array().positions()[..9]);
     places.extend(random_points(100, 0.1, 1));
-    let kept = KeptField::new(&model, &places, &mut Control::none()).expect("room");
+    let matrix = FieldMatrix::new(&model, &places, &mut Control::none()).expect("room");
     for seed in [1, 2] {
         let drive = random_drive(scene.array().len(), seed);
-        let own = kept.field(&drive, &mut Control::none()).expect("a drive");
+        let product = matrix.field(&drive, &mut Control::none()).expect("a drive");
         let field = field(&scene, &drive, &places);
         let most = field.iter().map(|p| p.norm()).fold(0.0, f32::max);
-        for (own, p) in own.iter().zip(&field) {
-            assert!((own - p).norm() < 2e-6 * most, "{own} for {p} where {most} is the most");
+        for (product, p) in product.iter().zip(&field) {
+            assert!((product - p).norm() < 2e-6 * most, "{product} for {p} where {most} is the most");
         }
     }
-    assert!(kept.field(&[], &mut Control::none()).is_err());
-    assert!(KeptField::new(&model, &[], &mut Control::none()).is_err());
+    assert!(matrix.field(&[], &mut Control::none()).is_err());
+    assert!(FieldMatrix::new(&model, &[], &mut Control::none()).is_err());
     let wall = Obstacle::Wall { point: [0.2, 0.0, 0.0], normal: [-1.0, 0.0, 0.0], kind: Surface::Rigid };
     let walled = model.with_obstacles(&[wall]).expect("a wall");
-    assert!(KeptField::new(&walled, &places, &mut Control::none()).is_err());
+    assert!(FieldMatrix::new(&walled, &places, &mut Control::none()).is_err());
 }
 
 #[test]

@@ -194,7 +194,7 @@ fn traps_of_a_lap_become_stiffer_within_the_bound() {
     let how = Ahead { change, phases: levels, ends: Ends::Closed, rounds: 5 };
     let codes = ahead(&model, &lap, &[1.0; 2 * FRAMES], FRAMES, &how, None, &mut Control::none()).expect("tracks");
     let mut stiff = codes.clone();
-    stiffen(&model, &lap, &how, (100.0, 1), &mut stiff, &mut Control::none()).expect("stiff tracks");
+    stiffen(&model, &lap, &how, 100.0, 1, &mut stiff, &mut Control::none()).expect("stiff tracks");
     let turned = |t: usize, i: usize| {
         let steps = i32::from(stiff[(t + 1) % FRAMES * 128 + i]) - i32::from(stiff[t * 128 + i]);
         steps.rem_euclid(64).min((-steps).rem_euclid(64))
@@ -210,8 +210,8 @@ fn traps_of_a_lap_become_stiffer_within_the_bound() {
     let mean = |codes: &[u16]| (0..FRAMES).map(|t| softest(codes, t)).sum::<f64>() / FRAMES as f64;
     assert!(mean(&stiff) > 1.05 * mean(&codes), "{} {}", mean(&stiff), mean(&codes));
     let mut stop = Stop;
-    let stopped = stiffen(&model, &lap, &how, (100.0, 1), &mut stiff, &mut Control::watched(&mut stop));
+    let stopped = stiffen(&model, &lap, &how, 100.0, 1, &mut stiff, &mut Control::watched(&mut stop));
     assert_eq!(stopped.err(), Some(Error::stopped()));
-    let short = stiffen(&model, &lap, &how, (100.0, 1), &mut stiff[1..], &mut Control::none());
+    let short = stiffen(&model, &lap, &how, 100.0, 1, &mut stiff[1..], &mut Control::none());
     assert!(short.expect_err("a refusal").to_string().starts_with("codes is 3199 of them"));
 }

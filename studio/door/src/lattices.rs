@@ -1,6 +1,6 @@
 //! Lattices: caches the matrix G of places whose field is requested repeatedly, e.g. while a point is dragged.
 
-use midair::{Array, Complex32, Control, Error, KeptField, Medium, Model, field};
+use midair::{Array, Complex32, Control, Error, FieldMatrix, Medium, Model, field};
 
 /// The largest number of entries of a stored G (64 MB), and the smallest for which storing saves time.
 const MOST: usize = 1 << 23;
@@ -14,7 +14,7 @@ struct Lattice {
     array: Array,
     medium: Medium,
     places: Vec<[f64; 3]>,
-    kept: Option<KeptField>,
+    kept: Option<FieldMatrix>,
     /// The number of fields of other lattices since the last use.
     age: usize,
 }
@@ -53,7 +53,7 @@ impl Lattices {
         };
         lattice.age = 0;
         if lattice.kept.is_none() && full + entries <= MOST {
-            lattice.kept = Some(KeptField::new(model, places, control)?);
+            lattice.kept = Some(FieldMatrix::new(model, places, control)?);
         }
         match &lattice.kept {
             Some(kept) => kept.field(drive, control),

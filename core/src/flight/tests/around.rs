@@ -42,7 +42,7 @@ fn the_rule_integrates_even_powers_over_the_sphere() {
     let rule = rule();
     assert_eq!(rule.len(), 50);
     for (power, exact) in [(0, 4.0), (2, 4.0 / 3.0), (10, 4.0 / 11.0)] {
-        let sum: f64 = rule.iter().map(|(way, weight)| weight * way[0].powi(power)).sum();
+        let sum: f64 = rule.iter().map(|node| node.weight * node.way[0].powi(power)).sum();
         assert!((sum - PI * exact).abs() < 1e-12);
     }
     let z = Complex64::new(1.0, 0.01);

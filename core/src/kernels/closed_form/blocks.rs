@@ -180,8 +180,8 @@ pub(crate) fn run<S: Simd, L: Layout<S>>(
     mut report: impl FnMut([&[f32]; 2]) -> bool,
 ) -> bool {
     let Sweep { rows, target, weight, count, block: most, own, phases, memory } = sweep;
-    let Memory { rows: kept, residual: [rest_re, rest_im] } = memory;
-    let (first, second) = kept.split_at_mut(kept.len() / 2);
+    let Memory { rows: buffer, residual: [rest_re, rest_im] } = memory;
+    let (first, second) = buffer.split_at_mut(buffer.len() / 2);
     // The first block is empty: the first pass computes d and writes the rows of the second block.
     let mut block = Block::new(first);
     let mut next = Block::new(second);

@@ -48,8 +48,8 @@ pub(crate) fn deal_out(set: InstructionSet, drive: &[f32], out: &mut [Vec<Comple
             for (vector, out) in s.transpose(vectors).into_iter().zip(&mut *out) {
                 let mut lanes: Lanes = [0.0; LANES];
                 s.store(vector, &mut lanes);
-                let own: [_; EIGHT] = array::from_fn(|k| Complex32::new(lanes[2 * k], lanes[2 * k + 1]));
-                out.extend_from_slice(&own);
+                let drives: [_; EIGHT] = array::from_fn(|k| Complex32::new(lanes[2 * k], lanes[2 * k + 1]));
+                out.extend_from_slice(&drives);
             }
         }
     });
@@ -62,9 +62,9 @@ pub(crate) fn deal_in(set: InstructionSet, drives: &[Complex32], transducers: us
         for (k, eight) in groups_mut(out).as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
             let mut vectors = [s.splat(0.0); LANES];
             for (vector, drive) in vectors.iter_mut().zip(drives.chunks_exact(transducers)) {
-                let own = &drive[k * EIGHT..transducers.min((k + 1) * EIGHT)];
+                let drives = &drive[k * EIGHT..transducers.min((k + 1) * EIGHT)];
                 let mut lanes: Lanes = [0.0; LANES];
-                for (pair, q) in lanes.as_chunks_mut::<2>().0.iter_mut().zip(own) {
+                for (pair, q) in lanes.as_chunks_mut::<2>().0.iter_mut().zip(drives) {
                     *pair = [q.re, q.im];
                 }
                 *vector = s.load(&lanes);
@@ -97,16 +97,16 @@ impl<S: Simd> Layout<S> for ProblemsInLanes<'_> {
         let mut moved = [[s.splat(0.0); 2]; MOST];
         for ((pair, z), members) in moved.as_chunks_mut().0.iter_mut().enumerate().zip(members.chunks(2)) {
             let at = |k: usize| self.drive(s, members[k.min(members.len() - 1)], look.own);
-            let own = (look.own > 0.0).then(|| [at(0), at(1)]);
-            *z = Terms::new(s, (block.rows, 2 * pair), look, own).sum();
+            let old = (look.own > 0.0).then(|| [at(0), at(1)]);
+            *z = Terms::new(s, (block.rows, 2 * pair), look, old).sum();
         }
         // An odd number of members leaves a result without a transducer in the last pair.
         moved[members.len()..].fill([s.splat(0.0); 2]);
         for (z, &i) in moved.iter_mut().zip(members) {
             let (q, old) = (direction(s, look.phases, *z), self.drive(s, i, 1.0));
-            let own = &mut groups_mut(self.drive)[2 * i..2 * i + 2];
-            s.store(q[0], &mut own[0]);
-            s.store(q[1], &mut own[1]);
+            let lanes = &mut groups_mut(self.drive)[2 * i..2 * i + 2];
+            s.store(q[0], &mut lanes[0]);
+            s.store(q[1], &mut lanes[1]);
             *z = [s.sub(q[0], old[0]), s.sub(q[1], old[1])];
         }
         meanwhile();
@@ -123,18 +123,18 @@ struct Terms<'a, S: Simd> {
     residual: [&'a [Lanes]; 2],
     weight: &'a [Lanes],
     /// The old drives of both transducers times `own`; `None` where `own` is 0.
-    own: Option<[[S::V; 2]; 2]>,
+    old: Option<[[S::V; 2]; 2]>,
 }
 
 impl<'a, S: Simd> Terms<'a, S> {
     #[inline(always)]
-    fn new(s: S, (rows, first): (&'a [Octet], usize), look: Look<'a>, own: Option<[[S::V; 2]; 2]>) -> Self {
+    fn new(s: S, (rows, first): (&'a [Octet], usize), look: Look<'a>, old: Option<[[S::V; 2]; 2]>) -> Self {
         let count = rows.len();
         let residual = look.residual.map(|list| &groups(list)[..count]);
-        Self { s, rows, first, residual, weight: &groups(look.weight)[..count], own }
+        Self { s, rows, first, residual, weight: &groups(look.weight)[..count], old }
     }
 
-    /// Returns the terms of point `l` in both sums: conj(G) d + w |G|^2 `own`, for the gain G, the residual d and the
+    /// Returns the terms of point `l` in both sums: conj(G) d + w |G|^2 `old`, for the gain G, the residual d and the
     /// weight w.
     #[inline(always)]
     fn term(&self, l: usize) -> [[S::V; 2]; 2] {
@@ -144,9 +144,9 @@ impl<'a, S: Simd> Terms<'a, S> {
         for (k, ([re, im], term)) in self.rows[l][self.first..self.first + 2].iter().zip(&mut terms).enumerate() {
             let (gr, gi) = (s.load(re), s.load(im));
             *term = [s.fma(gr, dr, s.fma(gi, di, zero)), s.fma(gr, di, s.fnma(gi, dr, zero))];
-            if let Some(own) = &self.own {
+            if let Some(old) = &self.old {
                 let power = s.fma(s.load(&self.weight[l]), s.fma(gr, gr, s.mul(gi, gi)), zero);
-                *term = [s.fma(power, own[k][0], term[0]), s.fma(power, own[k][1], term[1])];
+                *term = [s.fma(power, old[k][0], term[0]), s.fma(power, old[k][1], term[1])];
             }
         }
         terms

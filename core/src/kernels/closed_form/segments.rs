@@ -31,7 +31,7 @@ use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
 /// The rows of two blocks over one lane group, aligned to a cache line.
 #[repr(align(64))]
-struct Kept([f32; ROWS * LANES]);
+struct Buffer([f32; ROWS * LANES]);
 
 /// Runs [`closed_form::sweep`] with N transducers in a lane group, for at most 16/N points.
 pub(super) fn sweep<const N: usize>(
@@ -56,10 +56,10 @@ pub(super) fn sweep<const N: usize>(
         }
         stored @ Rows::Stored { .. } => stored,
     };
-    let mut kept = Kept([0.0; ROWS * LANES]);
+    let mut buffer = Buffer([0.0; ROWS * LANES]);
     let [mut rest_re, mut rest_im] = [(); 2].map(|()| Line([0.0; LANES]));
     // The arrays are separate variables, so that the residuals stay in registers.
-    let memory = Memory { rows: &mut kept.0, residual: [&mut rest_re.0, &mut rest_im.0] };
+    let memory = Memory { rows: &mut buffer.0, residual: [&mut rest_re.0, &mut rest_im.0] };
     let few = Sweep { rows, target: &target.0, weight: &weight.0, memory, ..*sweep };
     let pressures = [&mut real.0[..], &mut imag.0[..]];
     let sweep = Segments::<N> { drive };

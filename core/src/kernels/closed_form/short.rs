@@ -35,8 +35,8 @@ fn run<S: Simd>(
     mut report: impl FnMut([&[f32]; 2]) -> bool,
 ) -> bool {
     let Sweep { rows, target, weight, count, block, own, phases, memory } = sweep;
-    let Memory { rows: kept, residual: [rest_re, rest_im] } = memory;
-    let octets = groups_mut(&mut kept[..2 * MOST * target.len()]).as_chunks_mut().0.as_chunks_mut().0;
+    let Memory { rows: buffer, residual: [rest_re, rest_im] } = memory;
+    let octets = groups_mut(&mut buffer[..2 * MOST * target.len()]).as_chunks_mut().0.as_chunks_mut().0;
     let mut field = Field { requested: [target, weight], pressure: [re, im], residual: [rest_re, rest_im] };
     s.apart(count, &mut Added { field: &mut field, rows: octets, change: &[0.0; LANES], members: 0 });
     let (mut sums, mut goes_on) = ([[0.0; LANES]; LANES], true);
@@ -152,17 +152,17 @@ impl Apart for Added<'_, '_> {
 
 /// Returns the new drives for eight sums z; real and imaginary parts are side by side.
 fn directions<S: Simd>(s: S, phases: Option<&Phases>, z: S::V) -> Lanes {
-    let mut all = Directions { phases, own: [0.0; LANES], other: [0.0; LANES] };
-    s.store(z, &mut all.own);
+    let mut all = Directions { phases, value: [0.0; LANES], other: [0.0; LANES] };
+    s.store(z, &mut all.value);
     s.store(s.swap::<1>(z), &mut all.other);
     s.apart(LANES, &mut all);
-    all.own
+    all.value
 }
 
-/// Kernel of new drives for sums z: `own` has the real or the imaginary part of each z, `other` the other part.
+/// Kernel of new drives for sums z: `value` has the real or the imaginary part of each z, `other` the other part.
 struct Directions<'a> {
     phases: Option<&'a Phases>,
-    own: Lanes,
+    value: Lanes,
     other: Lanes,
 }
 
@@ -172,16 +172,16 @@ const ODD: Lanes = [0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 
 impl Apart for Directions<'_> {
     #[inline(always)]
     fn run<S: Elementwise>(&mut self, s: S) {
-        let (own, other) = (s.load(&self.own), s.load(&self.other));
+        let (value, other) = (s.load(&self.value), s.load(&self.other));
         let new = match self.phases {
             Some(phases) => {
                 let (zero, odd) = (s.splat(0.0), s.load(&ODD));
-                let z = [s.select_less(zero, odd, other, own), s.select_less(zero, odd, own, other)];
+                let z = [s.select_less(zero, odd, other, value), s.select_less(zero, odd, value, other)];
                 let [re, im] = phases.nearest(s, z);
                 s.select_less(zero, odd, im, re)
             }
-            None => unit(s, [own, other])[0],
+            None => unit(s, [value, other])[0],
         };
-        s.store(new, &mut self.own);
+        s.store(new, &mut self.value);
     }
 }

@@ -62,9 +62,9 @@ pub(crate) fn pass(
         let (table, floats) = rest.split_at_mut(POWERS * candidates.count());
         energies.fill(0.0);
         write_powers(s, candidates, table);
-        let own = &mut [Complex32::ZERO];
+        let single = &mut [Complex32::ZERO];
         let alone = Search { candidates, floats, indices };
-        let alone = PointsInLanes::new(s, [&[0.0; LANES]; 2], alone, own);
+        let alone = PointsInLanes::new(s, [&[0.0; LANES]; 2], alone, single);
         let used = 0xffff >> (LANES - problems);
         let layout = ProblemsInLanes { drive, energies, table, used, sounding: 0, alone, row };
         run(s, pass, layout, pressures, |_, _| true);
@@ -98,16 +98,16 @@ impl<S: Simd> Layout<S> for ProblemsInLanes<'_, S::V> {
         let mut left = self.used & !decided;
         let nearby = near & self.sounding & left;
         if few(self.alone.candidates) && 3 * nearby.count_ones() as usize > points.groups.len() {
-            let found = search(s, points, self.table);
+            let best = search(s, points, self.table);
             let lanes = lanes_of(s, nearby);
-            for (q, found) in q.iter_mut().zip(found) {
-                *q = s.select_less(s.splat(0.0), lanes, found, *q);
+            for (q, new) in q.iter_mut().zip(best) {
+                *q = s.select_less(s.splat(0.0), lanes, new, *q);
             }
             left &= !nearby;
         }
-        let own = &mut groups_mut(self.drive)[2 * i..2 * i + 2];
-        s.store(q[0], &mut own[0]);
-        s.store(q[1], &mut own[1]);
+        let pair = &mut groups_mut(self.drive)[2 * i..2 * i + 2];
+        s.store(q[0], &mut pair[0]);
+        s.store(q[1], &mut pair[1]);
         if left == 0 {
             return Some(q);
         }
@@ -116,11 +116,11 @@ impl<S: Simd> Layout<S> for ProblemsInLanes<'_, S::V> {
             left &= left - 1;
             self.update_alone(s, points, lane);
             let q = self.alone.drive[0];
-            let own = &mut groups_mut(self.drive)[2 * i..2 * i + 2];
-            (own[0][lane], own[1][lane]) = (q.re, q.im);
+            let pair = &mut groups_mut(self.drive)[2 * i..2 * i + 2];
+            (pair[0][lane], pair[1][lane]) = (q.re, q.im);
         }
-        let own = &groups(self.drive)[2 * i..2 * i + 2];
-        Some([s.load(&own[0]), s.load(&own[1])])
+        let pair = &groups(self.drive)[2 * i..2 * i + 2];
+        Some([s.load(&pair[0]), s.load(&pair[1])])
     }
 
     #[inline(always)]

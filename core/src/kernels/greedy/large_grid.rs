@@ -291,9 +291,9 @@ impl Rivals {
             let apart = s.fma(x, x, s.mul(y, y));
             let excess = s.max(s.sub(s.load(changes), spare), s.splat(0.0));
             let mut bits = !s.less(s.mul(steep, apart), s.mul(excess, excess)) & (0xffff >> (LANES - used));
-            let own = if best < l { best + phases - l } else { best - l };
-            if own < used {
-                bits |= 1 << own;
+            let lane = if best < l { best + phases - l } else { best - l };
+            if lane < used {
+                bits |= 1 << lane;
             }
             while bits != 0 {
                 let at = l + bits.trailing_zeros() as usize;

@@ -207,7 +207,7 @@ impl Moments {
     ) -> (Self, usize) {
         let mut count = 0;
         // The moments stay in registers if the machine has enough registers, else in memory.
-        let mut kept = [s.splat(0.0); PARTS];
+        let mut registers = [s.splat(0.0); PARTS];
         let rows = groups(points.row[0]).iter().zip(groups(points.row[1]));
         for (group, (point, (re, im))) in points.groups.iter().zip(rows).enumerate() {
             let mut bits = if S::SHORT {
@@ -215,7 +215,7 @@ impl Moments {
                 s.apart(points.count - group * LANES, &mut some);
                 some.beyond
             } else {
-                add_parts::<S, FOURTH>(s, &mut kept, point, [s.load(re), s.load(im)])
+                add_parts::<S, FOURTH>(s, &mut registers, point, [s.load(re), s.load(im)])
             };
             while bits != 0 {
                 near[count] = (group * LANES) as u32 + bits.trailing_zeros();
@@ -227,8 +227,8 @@ impl Moments {
             s.store(energy, &mut parts[ENERGY]);
             s.sums(parts, points.count)
         } else {
-            kept[ENERGY] = energy;
-            s.reduce_add_each(&kept)
+            registers[ENERGY] = energy;
+            s.reduce_add_each(&registers)
         };
         let mut moments = Self(FACTORS);
         s.store(s.mul(sums, s.load(&FACTORS)), &mut moments.0);

@@ -36,7 +36,8 @@ pub(crate) fn replace<T: Term>(
     present: [f32; 2],
     candidates: &Candidates,
     range: Option<PhaseRange>,
-    (points, count): (&mut [PointGroup], usize),
+    points: &mut [PointGroup],
+    count: usize,
 ) -> [f32; 2] {
     dispatch!(set, s => {
         let choose = |others: Points<'_>| {
@@ -47,7 +48,7 @@ pub(crate) fn replace<T: Term>(
                 None => present,
             }
         };
-        replaced(s, row, present, (points, count), choose)
+        replaced(s, row, present, points, count, choose)
     })
 }
 
@@ -58,7 +59,8 @@ pub(crate) fn rotate(
     row: [&[f32]; 2],
     drive: [f32; 2],
     rotations: &Candidates,
-    points: (&mut [PointGroup], usize),
+    points: &mut [PointGroup],
+    count: usize,
     [re, im]: [&mut [f32]; 2],
 ) -> usize {
     dispatch!(set, s => {
@@ -75,7 +77,7 @@ pub(crate) fn rotate(
             choice = search::best::<_, L2>(s, others, rotations, false, tolerance);
             rotations.drive(choice)
         };
-        replaced(s, [re, im], [1.0, 0.0], points, choose);
+        replaced(s, [re, im], [1.0, 0.0], points, count, choose);
         choice
     })
 }
@@ -86,7 +88,8 @@ fn replaced<S: Simd>(
     s: S,
     row: [&[f32]; 2],
     present: [f32; 2],
-    (points, count): (&mut [PointGroup], usize),
+    points: &mut [PointGroup],
+    count: usize,
     choose: impl FnOnce(Points<'_>) -> [f32; 2],
 ) -> [f32; 2] {
     let add = |points: &mut [PointGroup], q: [f32; 2]| {

@@ -138,11 +138,11 @@ impl<'a> List<'a> {
     /// Removes the candidates that `wanted` rejects by their index and change. Does nothing if candidates were dropped
     /// because the list was full.
     #[inline(always)]
-    pub(crate) fn retain(&mut self, mut wanted: impl FnMut(usize, f32) -> bool) {
+    pub(crate) fn retain(&mut self, mut keep: impl FnMut(usize, f32) -> bool) {
         if !self.overflows() {
             let mut left = 0;
             for k in 0..self.count {
-                if wanted(self.indices[k] as usize, self.values[k]) {
+                if keep(self.indices[k] as usize, self.values[k]) {
                     (self.indices[left], self.values[left]) = (self.indices[k], self.values[k]);
                     left += 1;
                 }

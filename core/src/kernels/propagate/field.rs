@@ -77,9 +77,9 @@ fn add_few<S: Elementwise, F: Form>(
         control.pulse()?;
         let (from, mut tile) = (group.all(s), [[[0.0; LANES]; 2]; FEW]);
         for (j, [real, imag]) in tile.iter_mut().enumerate().take(points.count) {
-            let own = element(s, form, radiation, &from, [s.splat(x[j]), s.splat(y[j]), s.splat(z[j])]);
-            s.store(own[0], real);
-            s.store(own[1], imag);
+            let g = element(s, form, radiation, &from, [s.splat(x[j]), s.splat(y[j]), s.splat(z[j])]);
+            s.store(g[0], real);
+            s.store(g[1], imag);
         }
         for (lane, q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
             let q = [s.splat(q.re), s.splat(q.im)];
@@ -151,8 +151,8 @@ fn add_form<S: Elementwise, F: Form, const RUN: usize>(
             let place = [s.load(x), s.load(y), s.load(z)];
             let mut sum = [s.load(re), s.load(im)];
             for (i, q) in &driven[..count] {
-                let own = element(s, form, radiation, &sources.one(s, *i), place);
-                sum = add_wave(s, own, [s.splat(q.re), s.splat(q.im)], sum);
+                let g = element(s, form, radiation, &sources.one(s, *i), place);
+                sum = add_wave(s, g, [s.splat(q.re), s.splat(q.im)], sum);
             }
             s.store(sum[0], re);
             s.store(sum[1], im);
@@ -201,8 +201,8 @@ impl<F: Form> Apart for InterleavedSum<'_, F> {
                 let place = [s.load(x), s.load(y), s.load(z)];
                 let mut sum = [s.load(re), s.load(im)];
                 for (i, [qr, qi]) in run.clone().zip(&drives[run.clone()]) {
-                    let own = element(s, *form, radiation, &sources.one(s, i), place);
-                    sum = add_wave(s, own, [s.load(qr), s.load(qi)], sum);
+                    let g = element(s, *form, radiation, &sources.one(s, i), place);
+                    sum = add_wave(s, g, [s.load(qr), s.load(qi)], sum);
                 }
                 s.store(sum[0], re);
                 s.store(sum[1], im);

@@ -139,22 +139,22 @@ pub(crate) fn interleaved_moduli(
     out: &mut [f32],
 ) -> bool {
     dispatch!(set, s => formed!(s, run.radiation, true, form => {
-        in_lanes::<_, _, false>(s, form, run, points, nearest, (out, &mut []))
+        in_lanes::<_, _, false>(s, form, run, points, nearest, out, &mut [])
     }))
 }
 
 /// Does the same as [`add_moduli`] with points in the lanes, with the same bits. It writes the sums to `out`, and the
-/// amplitudes of the run's rows to `kept`, row after row.
+/// amplitudes of the run's rows to `lines`, row after row.
 pub(crate) fn keep_moduli(
     set: InstructionSet,
     run: &Run<'_>,
     points: ControlPoints<'_>,
     nearest: f32,
     out: &mut [f32],
-    kept: &mut [Line],
+    lines: &mut [Line],
 ) -> bool {
     dispatch!(set, s => formed!(s, run.radiation, true, form => {
-        in_lanes::<_, _, true>(s, form, run, points, nearest, (out, kept))
+        in_lanes::<_, _, true>(s, form, run, points, nearest, out, lines)
     }))
 }
 
@@ -165,7 +165,8 @@ fn in_lanes<S: Simd, F: Form, const KEEP: bool>(
     run: &Run<'_>,
     points: ControlPoints<'_>,
     nearest: f32,
-    (out, kept): (&mut [f32], &mut [Line]),
+    out: &mut [f32],
+    lines: &mut [Line],
 ) -> bool {
     let [x, y, z] = points.coordinates.map(groups);
     let wide = x.len();
@@ -180,8 +181,8 @@ fn in_lanes<S: Simd, F: Form, const KEEP: bool>(
             let mut state = [closest, s.splat(0.0), s.splat(0.0)];
             for (n, group) in run.groups.iter().enumerate() {
                 state = run.add(s, form, &group.one(s, lane), place, state);
-                if KEEP && let Some(kept) = kept.get_mut((n * LANES + lane) * wide + g) {
-                    s.store(state[2], &mut kept.0);
+                if KEEP && let Some(line) = lines.get_mut((n * LANES + lane) * wide + g) {
+                    s.store(state[2], &mut line.0);
                 }
             }
             let mut sum = state[1];

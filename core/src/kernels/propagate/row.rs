@@ -140,7 +140,8 @@ impl<F: Form> Apart for Tile<'_, F> {
 pub(crate) fn write_row<S: Simd>(
     s: S,
     radiation: &Radiation,
-    (sources, i): (&SourceList, usize),
+    sources: &SourceList,
+    i: usize,
     control_points: ControlPoints<'_>,
     re: &mut [f32],
     im: &mut [f32],
@@ -193,7 +194,8 @@ impl<F: Form> Apart for Written<'_, F> {
 #[inline(always)]
 pub(crate) fn write_known_row<S: Simd>(
     s: S,
-    (sources, i): (&SourceList, usize),
+    sources: &SourceList,
+    i: usize,
     control_points: ControlPoints<'_>,
     amplitudes: &[Line],
     re: &mut [f32],
@@ -233,11 +235,12 @@ impl Apart for Known<'_> {
 pub(crate) fn row(
     set: InstructionSet,
     radiation: &Radiation,
-    (sources, i): (&SourceList, usize),
+    sources: &SourceList,
+    i: usize,
     control_points: ControlPoints<'_>,
     out: &mut Row<'_>,
 ) {
-    dispatch!(set, s => write_row(s, radiation, (sources, i), control_points, out.re, out.im));
+    dispatch!(set, s => write_row(s, radiation, sources, i, control_points, out.re, out.im));
 }
 
 /// Writes zeros to the padding after `count` numbers.

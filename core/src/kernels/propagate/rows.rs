@@ -32,10 +32,10 @@ impl Rows<'_> {
             Self::Computed { sources, control_points, amplitudes, .. } if !amplitudes.is_empty() => {
                 let wide = re.len() / LANES;
                 let amplitudes = &amplitudes[i * wide..(i + 1) * wide];
-                write_known_row(s, (sources, i), control_points, amplitudes, re, im);
+                write_known_row(s, sources, i, control_points, amplitudes, re, im);
             }
             Self::Computed { radiation, sources, control_points, .. } => {
-                write_row(s, radiation, (sources, i), control_points, re, im);
+                write_row(s, radiation, sources, i, control_points, re, im);
             }
             Self::Stored { re: all_re, im: all_im } => {
                 let range = i * re.len()..(i + 1) * re.len();
@@ -52,7 +52,8 @@ impl Rows<'_> {
     pub(crate) fn write_tile<S: Simd>(
         &self,
         s: S,
-        (tile, stride): (usize, usize),
+        tile: usize,
+        stride: usize,
         members: Range<usize>,
         order: &[u32],
         out: [&mut [Block]; 2],

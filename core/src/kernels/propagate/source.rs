@@ -62,7 +62,7 @@ impl SourceList {
     pub(crate) fn segments<S: Elementwise, const N: usize>(&self, s: S, members: &[usize]) -> SourceLanes<S::V> {
         let at = core::array::from_fn(|quarter| {
             let i = members[(quarter * N / 4).min(members.len() - 1)];
-            (&self.groups[i / LANES], i % LANES)
+            Lane { group: &self.groups[i / LANES], lane: i % LANES }
         });
         SourceLanes {
             position: [
@@ -75,19 +75,25 @@ impl SourceList {
                 quarters(s, &at, |group| &group.normal[1]),
                 quarters(s, &at, |group| &group.normal[2]),
             ],
-            upright: at.iter().all(|(group, _)| group.upright),
+            upright: at.iter().all(|one| one.group.upright),
             amplitude: quarters(s, &at, |group| &group.amplitude),
             turns: quarters(s, &at, |group| &group.turns),
-            in_phase: at.iter().all(|(group, _)| group.in_phase),
+            in_phase: at.iter().all(|one| one.group.in_phase),
         }
     }
 }
 
+/// One transducer of a group.
+struct Lane<'a> {
+    group: &'a SourceGroup,
+    lane: usize,
+}
+
 /// Returns one number of each of four transducers, each number in four lanes.
 #[inline(always)]
-fn quarters<S: Elementwise>(s: S, at: &[(&SourceGroup, usize); 4], list: impl Fn(&SourceGroup) -> &Lanes) -> S::V {
+fn quarters<S: Elementwise>(s: S, at: &[Lane<'_>; 4], list: impl Fn(&SourceGroup) -> &Lanes) -> S::V {
     let [a, b, c, d] = at;
-    s.quarters([list(a.0)[a.1], list(b.0)[b.1], list(c.0)[c.1], list(d.0)[d.1]])
+    s.quarters([list(a.group)[a.lane], list(b.group)[b.lane], list(c.group)[c.lane], list(d.group)[d.lane]])
 }
 
 impl SourceGroup {

@@ -127,10 +127,10 @@ impl<S: Doubles> V<S> {
     /// Applies a function with N results to each number, one after the other.
     #[inline(always)]
     pub(crate) fn each<const N: usize>(self, of: impl Fn(f64) -> [f64; N]) -> [Self; N] {
-        let (mut own, mut out) = ([0.0; EIGHT], [[0.0; EIGHT]; N]);
-        self.put(&mut own);
+        let (mut lanes, mut out) = ([0.0; EIGHT], [[0.0; EIGHT]; N]);
+        self.put(&mut lanes);
         for lane in 0..S::WIDTH {
-            let values = of(own[lane]);
+            let values = of(lanes[lane]);
             for k in 0..N {
                 out[k][lane] = values[k];
             }

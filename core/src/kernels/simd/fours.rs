@@ -113,7 +113,7 @@ macro_rules! each {
     };
 }
 /// Applies an operation to the one register of a [`Quarter`].
-macro_rules! own {
+macro_rules! quarter {
     ($s:ident, $name:ident, $($argument:ident),*) => {
         $s.register.$name($($argument),*)
     };
@@ -223,7 +223,7 @@ impl<R: Register> Elementwise for Quarter<R> {
         self.register.gather_list(list, index)
     }
 
-    operations!(own);
+    operations!(quarter);
 }
 
 impl<R: Register> Simd for Fours<R> {

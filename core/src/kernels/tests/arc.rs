@@ -44,8 +44,8 @@ fn phasors(rng: &mut Rng) -> [Vec<f32>; 2] {
     [libm::cos, libm::sin].map(|of: fn(f64) -> f64| turns.iter().map(|&turn| of(turn) as f32).collect())
 }
 
-fn near(found: &[Complex64], wanted: impl Fn(usize) -> Option<Complex64>, reported: &str) {
-    let off = |i: usize| wanted(i).map_or(0.0, |wanted| (found[i] - wanted).norm());
+fn near(drive: &[Complex64], exact: impl Fn(usize) -> Option<Complex64>, reported: &str) {
+    let off = |i: usize| exact(i).map_or(0.0, |q| (drive[i] - q).norm());
     let most = (0..TRANSDUCERS).map(off).fold(0.0, f64::max);
     // The allowed error: some roundings of sums of 16 terms. It is relative to the sum, which may be a tenth of one
     // term.
@@ -57,18 +57,18 @@ fn a_sweep_ends_within_the_arc() {
     each(|set, count, change, rng| {
         let scene = Scene::new(count, TRANSDUCERS, set);
         let rows = tiles::height(count);
-        let mut wanted = [(); 2].map(|()| vec![0.0; rows]);
+        let mut target = [(); 2].map(|()| vec![0.0; rows]);
         for k in 0..count {
             let phase = TAU * rng.uniform();
-            (wanted[0][k], wanted[1][k]) = (libm::cos(phase) as f32, libm::sin(phase) as f32);
+            (target[0][k], target[1][k]) = (libm::cos(phase) as f32, libm::sin(phase) as f32);
         }
         let mut memory = vec![f32::NAN; tiles::unit::sweep_floats(rows)];
         let [drive, _] = scene.play(|wave| {
-            let wanted = [&wanted[0][..], &wanted[1]];
-            tiles::unit::sweep_within(set, scene.tiles(), wanted, arc(change), wave, &mut memory);
+            let target = [&target[0][..], &target[1]];
+            tiles::unit::sweep_within(set, scene.tiles(), target, arc(change), wave, &mut memory);
         });
         let aimed = |i: usize| {
-            let part = |k: usize| scene.matrix[k][i].conj() * Complex64::new(wide(wanted[0][k]), wide(wanted[1][k]));
+            let part = |k: usize| scene.matrix[k][i].conj() * Complex64::new(wide(target[0][k]), wide(target[1][k]));
             let sum: Complex64 = (0..count).map(part).sum();
             if sum.norm() < 0.05 { None } else { clipped(sum, change) }
         };
@@ -83,14 +83,14 @@ fn a_turn_ends_within_the_arc() {
         let from = phasors(rng);
         let turns: Vec<f32> = (0..TRANSDUCERS).map(|_| (2.0 * rng.uniform() - 1.0) as f32).collect();
         // Each drive has its own arc.
-        let own = |i: usize| change * (1.0 + (i % 3) as f64) / 3.0;
+        let bound = |i: usize| change * (1.0 + (i % 3) as f64) / 3.0;
         let [drive, _] = scene.play(|wave| {
-            let (cos, sin): (Vec<f32>, Vec<f32>) = (0..TRANSDUCERS).map(|i| arc(own(i)).into()).unzip();
+            let (cos, sin): (Vec<f32>, Vec<f32>) = (0..TRANSDUCERS).map(|i| arc(bound(i)).into()).unzip();
             tiles::unit::turn_within(set, scene.tiles(), [&from[0], &from[1]], &turns, [&cos, &sin], wave);
         });
         let turned = |i: usize| {
             let q = Complex64::new(wide(from[0][i]), wide(from[1][i]));
-            clipped(q * Complex64::from_polar(1.0, libm::atan(wide(turns[i]))), own(i))
+            clipped(q * Complex64::from_polar(1.0, libm::atan(wide(turns[i]))), bound(i))
         };
         near(&drive, turned, &format!("{set} {count} {change}"));
     });

@@ -32,15 +32,15 @@ fn a_system_is_solved_at_every_size() {
                 (k..lanes).for_each(|l| matrix[k * lanes + l] = if l < size { entry(k, l) as f32 } else { 0.0 });
             }
             assert!(factor(set, &mut matrix, size), "{set} {size}");
-            let wanted = numbers(&mut rng, size, -1.0, 1.0);
-            let mut x = wanted.clone();
+            let exact = numbers(&mut rng, size, -1.0, 1.0);
+            let mut x = exact.clone();
             cholesky::solve(set, &matrix, &mut x);
             for k in 0..size {
                 let got: f64 = (0..size).map(|l| entry(k, l) * wide(x[l])).sum();
                 // The solver is backward stable. The allowed error is the rounding of f32 times the norm of x and the
                 // norm of the matrix, which is about size^2 at most.
                 let allowed = 1e-6 * (size * size + 10) as f64;
-                assert!((got - wide(wanted[k])).abs() <= allowed, "{set} {size}: {got} for {}", wanted[k]);
+                assert!((got - wide(exact[k])).abs() <= allowed, "{set} {size}: {got} for {}", exact[k]);
             }
             assert!(x[size..].iter().all(|&x| x == 0.0), "{set} {size}: the padding");
         }

@@ -51,9 +51,9 @@ fn drives_are_copied_to_their_problems() {
         let drive: Vec<f32> = (0..3 * LANES * LANES).map(|k| k as f32).collect();
         let mut out: [Vec<_>; LANES] = from_fn(|_| Vec::new());
         deal_out(set, &drive, &mut out);
-        for (lane, own) in out.iter().enumerate() {
-            assert_eq!(own.len(), 3 * LANES / 2);
-            for (i, q) in own.iter().enumerate() {
+        for (lane, drives) in out.iter().enumerate() {
+            assert_eq!(drives.len(), 3 * LANES / 2);
+            for (i, q) in drives.iter().enumerate() {
                 let at = 2 * i * LANES + lane;
                 assert_eq!([q.re, q.im], [at as f32, (at + LANES) as f32], "{set}: drive {i} of problem {lane}");
             }

@@ -63,8 +63,8 @@ fn each_transducer_takes_the_part_of_the_smaller_error() {
             errors.iter_mut().enumerate().for_each(|(j, error)| *error += change * wave(i, j));
         }
         for (j, error) in errors.iter().enumerate() {
-            let own = Complex64::new(wide(error_re[j]), wide(error_im[j]));
-            assert!((own - error).norm() < 1e-5, "{set}, {count} points: {own} for {error}");
+            let value = Complex64::new(wide(error_re[j]), wide(error_im[j]));
+            assert!((value - error).norm() < 1e-5, "{set}, {count} points: {value} for {error}");
         }
     }
 }

@@ -36,7 +36,7 @@ fn a_matrix_and_its_adjoint_times_a_vector_are_their_sums() {
             }
             bits.push([a, b, c, d]);
         }
-        assert!(bits.iter().all(|own| *own == bits[0]));
+        assert!(bits.iter().all(|each| *each == bits[0]));
     }
 }
 
@@ -44,7 +44,7 @@ fn a_matrix_and_its_adjoint_times_a_vector_are_their_sums() {
 fn products_are_factored_and_solved() {
     for (size, lanes) in [(4, 4), (8, 64), (20, 132), (36, 12), (68, 128)] {
         let mut rng = Rng::new(size as u64);
-        let (rows, wanted) = (numbers(&mut rng, size * lanes), numbers(&mut rng, size));
+        let (rows, exact) = (numbers(&mut rng, size * lanes), numbers(&mut rng, size));
         let entry = |k: usize, l: usize| {
             let product: f64 = (0..lanes).map(|i| rows[i * size + k] * rows[i * size + l]).sum();
             product + if k == l { 0.5 } else { 0.0 }
@@ -61,15 +61,15 @@ fn products_are_factored_and_solved() {
             (0..size).for_each(|k| matrix[k * size..k * size + k].fill(f64::NAN));
             assert!(factor(set, &mut matrix, size, &mut control).expect("no stop"));
             let mut b: Vec<f64> =
-                (0..size).map(|k| (0..size).map(|l| entry(k.min(l), k.max(l)) * wanted[l]).sum()).collect();
+                (0..size).map(|k| (0..size).map(|l| entry(k.min(l), k.max(l)) * exact[l]).sum()).collect();
             solve(set, &matrix, &mut b);
-            for (got, wanted) in b.iter().zip(&wanted) {
+            for (got, exact) in b.iter().zip(&exact) {
                 // The condition number is below 1e4, so that ten digits are left.
-                assert!((got - wanted).abs() < 1e-10, "{size}: {got} for {wanted}");
+                assert!((got - exact).abs() < 1e-10, "{size}: {got} for {exact}");
             }
             bits.push((matrix[0], b));
         }
-        assert!(bits.iter().all(|own| *own == bits[0]));
+        assert!(bits.iter().all(|each| *each == bits[0]));
     }
 }
 

@@ -29,8 +29,8 @@ pub(super) fn scene(seed: u64, count: usize, loud: f64) -> Scene {
 /// Evaluates `check` with the energies of an update.
 macro_rules! with_energies {
     ($set:expr, $scene:expr, $candidates:expr, |$s:ident, $energies:ident| $check:expr) => {{
-        let (kept, energy) = $scene.kept($set);
-        let points = $scene.points(&kept);
+        let (state, energy) = $scene.state($set);
+        let points = $scene.points(&state);
         let mut near = vec![0; padded($scene.count)];
         dispatch!($set, s => {
             let mut lane = [0.0; LANES];
@@ -55,15 +55,15 @@ fn lower_amplitudes_and_the_second_derivative_are_bounded() {
                 let change = |a: f64| -> (Vec<f64>, [f64; 3]) {
                     with_energies!(set, scene, &candidates, |s, energies| {
                         let at = |step: usize| (TAU * step as f64 / STEPS as f64).sin_cos();
-                        let mut found = Vec::new();
+                        let mut values = Vec::new();
                         for step in 0..STEPS {
                             let ((sin, cos), mut lanes) = (at(step), [0.0; LANES]);
                             let [re, im] = [cos, sin].map(|part| [(a * part) as f32; LANES]);
                             let z = Sixteen { amplitude: 1.0, phasors: [&re, &im] };
                             s.store(energies.roughly(z), &mut lanes);
-                            found.push(wide(lanes[0]));
+                            values.push(wide(lanes[0]));
                         }
-                        (found, [energies.rounding(), energies.curvature(a as f32), energies.bow()].map(wide))
+                        (values, [energies.rounding(), energies.curvature(a as f32), energies.bow()].map(wide))
                     })
                 };
                 let (full, [rounding, curvature, bow]) = change(1.0);

@@ -143,8 +143,8 @@ fn the_sweep_of_fast_is_its_formula() {
                     assert_eq!(fields.len(), 1 + N.div_ceil(size));
                     for (step, fields) in fields.windows(2).enumerate() {
                         let rows = size * step..N.min(size * (step + 1));
-                        let wanted = block(&matrix, requested, wide(own), &old, &fields[0], rows.clone());
-                        for (i, want) in rows.clone().zip(&wanted) {
+                        let formula = block(&matrix, requested, wide(own), &old, &fields[0], rows.clone());
+                        for (i, want) in rows.clone().zip(&formula) {
                             // A sum of terms up to 5 that nearly cancel has few digits left: the error is at most 1e-4.
                             assert!((exact(drive[i]) - want).norm() < 1e-4, "{set}: q of {i}, M = {count}");
                         }

@@ -134,7 +134,7 @@ impl Shot {
         let mut moduli = vec![1.0; self.count];
         let sources = SourceList::new(&[self.source]);
         let row = &mut Row { re: &mut re, im: &mut im };
-        crate::kernels::row(set, &self.radiation, (&sources, 0), self.control_points(), row);
+        crate::kernels::row(set, &self.radiation, &sources, 0, self.control_points(), row);
         let nearest = (0..self.count).map(|j| self.square(j)).fold(f64::INFINITY, f64::min);
         // These limits are just above and just below the square distance: the kernel's square has five roundings.
         for (factor, near) in [(1.0 + 1e-6, true), (1.0 - 1e-6, false)] {

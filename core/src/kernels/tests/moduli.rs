@@ -68,8 +68,8 @@ fn an_interleaved_batch_has_the_bits_of_its_problems() {
             let mut coordinates = [(); 3].map(|()| vec![0.0; 4 * LANES]);
             for (list, axis) in coordinates.iter_mut().zip(0..) {
                 for (k, x) in list.iter_mut().enumerate() {
-                    let own = &problems[k % LANES][0];
-                    *x = own.coordinates[axis][(k / LANES).min(own.count - 1)];
+                    let single = &problems[k % LANES][0];
+                    *x = single.coordinates[axis][(k / LANES).min(single.count - 1)];
                 }
             }
             let [x, y, z] = &coordinates;
@@ -81,8 +81,8 @@ fn an_interleaved_batch_has_the_bits_of_its_problems() {
                 assert!(interleaved_moduli(set, &run, points, 1e9, &mut sums), "{set}: all points are that near");
                 total.iter_mut().zip(sums).for_each(|(total, sum)| *total += wide(sum));
             }
-            for (lane, own) in problems.iter().enumerate() {
-                let alone = sums(set, own, &sources);
+            for (lane, problem) in problems.iter().enumerate() {
+                let alone = sums(set, problem, &sources);
                 let together: Vec<f64> = (0..alone.len()).map(|j| total[j * LANES + lane]).collect();
                 assert_eq!(alone, together, "{set}: {pattern}, problem {lane}");
             }
@@ -98,10 +98,10 @@ fn kept_amplitudes_change_no_bit_of_sums_or_rows() {
             let (sources, points) = (list(&shots), shots[0].control_points());
             let lanes = points.coordinates[0].len();
             let (mut total, mut sums) = (vec![0.0; count], vec![f32::NAN; lanes]);
-            let mut kept = vec![Line([f32::NAN; LANES]); transducers * lanes / LANES];
+            let mut lines = vec![Line([f32::NAN; LANES]); transducers * lanes / LANES];
             for run in Run::all(&shots[0].radiation, &sources) {
-                let own = &mut kept[run.members.start * lanes / LANES..run.members.end * lanes / LANES];
-                assert!(!keep_moduli(set, &run, points, 1e-4, &mut sums, own), "{set}: no point is that near");
+                let part = &mut lines[run.members.start * lanes / LANES..run.members.end * lanes / LANES];
+                assert!(!keep_moduli(set, &run, points, 1e-4, &mut sums, part), "{set}: no point is that near");
                 total.iter_mut().zip(&sums).for_each(|(total, &sum)| *total += wide(sum));
             }
             assert_eq!(total, self::sums(set, &shots, &sources), "{set}: {pattern}");
@@ -114,7 +114,7 @@ fn kept_amplitudes_change_no_bit_of_sums_or_rows() {
                 row
             };
             for i in 0..transducers {
-                assert_eq!(row(of(&kept), i), row(of(&[]), i), "{set}: {pattern}, row {i}");
+                assert_eq!(row(of(&lines), i), row(of(&[]), i), "{set}: {pattern}, row {i}");
             }
         }
     }

@@ -32,7 +32,7 @@ fn moments_are_the_energy_within_their_remainder() {
         for count in LENGTHS {
             for loud in [0.5, 3.0, 10.0, 100.0] {
                 let scene = Scene::new(count as u64, count, loud);
-                let (kept, energy) = scene.kept(set);
+                let (state, energy) = scene.state(set);
                 let mut near = vec![u32::MAX; padded(count)];
                 let (mut changes, mut re, mut im) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
                 let mut rng = Rng::new(7);
@@ -44,9 +44,9 @@ fn moments_are_the_energy_within_their_remainder() {
                 let (moments, nearby) = dispatch!(set, s => {
                     let mut lane = [0.0; LANES];
                     lane[0] = energy;
-                    let found = Moments::new::<_, false>(s, scene.points(&kept), s.load(&lane), &mut near, &mut [[0.0; 16]; 16]);
-                    s.store(found.0.change(s, s.load(&re), s.load(&im)), &mut changes);
-                    found
+                    let result = Moments::new::<_, false>(s, scene.points(&state), s.load(&lane), &mut near, &mut [[0.0; 16]; 16]);
+                    s.store(result.0.change(s, s.load(&re), s.load(&im)), &mut changes);
+                    result
                 });
                 let near = &near[..nearby];
                 let size = |j: usize| {
@@ -79,9 +79,9 @@ fn the_fourth_order_misses_by_its_remainder_and_differences_by_their_distance() 
             for loud in [0.5, 3.0, 10.0, 100.0] {
                 let scene = scene(count as u64, count, loud);
                 let [re, im] = drives(7);
-                let mut found = [0.0; LANES];
+                let mut values = [0.0; LANES];
                 let (remainder, steep, rounding, near) = with_energies!(set, scene, &candidates, |s, energies| {
-                    s.store(energies.moments.fine_change(s, s.load(&re), s.load(&im)), &mut found);
+                    s.store(energies.moments.fine_change(s, s.load(&re), s.load(&im)), &mut values);
                     let moments = energies.moments;
                     (moments.fine_remainder(), moments.steepness(), moments.rounding(1.0), energies.near.to_vec())
                 });
@@ -89,7 +89,7 @@ fn the_fourth_order_misses_by_its_remainder_and_differences_by_their_distance() 
                     .map(|lane| {
                         let q = [wide(re[lane]), wide(im[lane])];
                         let far = (0..count).filter(|&j| !near.contains(&(j as u32)));
-                        wide(found[lane]) - far.map(|j| scene.change::<L2>(j, q)).sum::<f64>()
+                        wide(values[lane]) - far.map(|j| scene.change::<L2>(j, q)).sum::<f64>()
                     })
                     .collect();
                 for a in 0..LANES {
@@ -130,16 +130,16 @@ fn the_fourth_order_is_the_series() {
             for loud in [1.0, 3.0, 10.0] {
                 let scene = scene(count as u64, count, loud);
                 let [re, im] = drives(8);
-                let mut found = [0.0; LANES];
+                let mut values = [0.0; LANES];
                 let (rounding, near) = with_energies!(set, scene, &candidates, |s, energies| {
-                    s.store(energies.moments.fine_change(s, s.load(&re), s.load(&im)), &mut found);
+                    s.store(energies.moments.fine_change(s, s.load(&re), s.load(&im)), &mut values);
                     (energies.moments.rounding(1.0), energies.near.to_vec())
                 });
                 for lane in 0..LANES {
                     let q = Complex64::new(wide(re[lane]), wide(im[lane]));
                     let far = (0..count).filter(|&j| !near.contains(&(j as u32)));
                     let want: f64 = far.map(|j| truncated(&scene, j, q)).sum();
-                    assert_near(found[lane], want, wide(rounding), "the fourth order");
+                    assert_near(values[lane], want, wide(rounding), "the fourth order");
                 }
             }
         }

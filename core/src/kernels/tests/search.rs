@@ -51,22 +51,22 @@ impl Scene {
     }
 
     /// Returns the point groups as a pass stores them (the pressures are added to 0), and the energy.
-    pub(super) fn kept(&self, set: InstructionSet) -> (Vec<PointGroup>, f32) {
+    pub(super) fn state(&self, set: InstructionSet) -> (Vec<PointGroup>, f32) {
         let [re, im] = [0, 1].map(|part| groups(&self.pressure[part]));
         let requested = groups(&self.target).iter().zip(groups(&self.weight));
         let mut energy = 0.0;
-        let kept = requested.zip(re.iter().zip(im)).map(|((target, weight), (re, im))| {
+        let state = requested.zip(re.iter().zip(im)).map(|((target, weight), (re, im))| {
             dispatch!(set, s => {
-                let mut kept = PointGroup::silent(s, target, weight);
-                energy += s.reduce_add(kept.add(s, [re, im], [s.splat(1.0), s.splat(0.0)]));
-                kept
+                let mut group = PointGroup::silent(s, target, weight);
+                energy += s.reduce_add(group.add(s, [re, im], [s.splat(1.0), s.splat(0.0)]));
+                group
             })
         });
-        (kept.collect(), energy)
+        (state.collect(), energy)
     }
 
-    pub(super) fn points<'a>(&'a self, kept: &'a [PointGroup]) -> Points<'a> {
-        Points { groups: kept, row: [&self.gain[0], &self.gain[1]], count: self.count }
+    pub(super) fn points<'a>(&'a self, state: &'a [PointGroup]) -> Points<'a> {
+        Points { groups: state, row: [&self.gain[0], &self.gain[1]], count: self.count }
     }
 
     /// Returns the pressure P and the gain G of point j: real and imaginary parts.
@@ -99,13 +99,13 @@ pub(super) fn candidates(phases: usize, amplitudes: usize) -> Candidates {
 }
 
 pub(super) fn tolerance<T: Term>(set: InstructionSet, scene: &Scene) -> f32 {
-    let (kept, _) = scene.kept(set);
-    dispatch!(set, s => search::tolerance::<_, T>(s, scene.points(&kept)))
+    let (state, _) = scene.state(set);
+    dispatch!(set, s => search::tolerance::<_, T>(s, scene.points(&state)))
 }
 
 fn best<T: Term>(set: InstructionSet, scene: &Scene, candidates: &Candidates, silent: bool, tolerance: f32) -> usize {
-    let (kept, _) = scene.kept(set);
-    dispatch!(set, s => search::best::<_, T>(s, scene.points(&kept), candidates, silent, tolerance))
+    let (state, _) = scene.state(set);
+    dispatch!(set, s => search::best::<_, T>(s, scene.points(&state), candidates, silent, tolerance))
 }
 
 /// Returns the least energy that f64 finds; only phase 0 is tried if `silent`.

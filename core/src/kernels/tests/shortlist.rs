@@ -19,8 +19,8 @@ fn the_shortlist_contains_the_best() {
                 for (phases, amplitudes) in [(16, 1), (7, 3), (60, 2)] {
                     let scene = Scene::new((count + phases) as u64, count, loud);
                     let candidates = candidates(phases, amplitudes);
-                    let (kept, energy) = scene.kept(set);
-                    let points = scene.points(&kept);
+                    let (state, energy) = scene.state(set);
+                    let points = scene.points(&state);
                     let mut near = vec![0; padded(count)];
                     let mut close = vec![0; shortlist::MOST];
                     let mut floats = vec![f32::NAN; shortlist::MOST];
@@ -38,9 +38,9 @@ fn the_shortlist_contains_the_best() {
                     }
                     assert!(close.is_sorted() && !close.is_empty());
                     let reached = |index: &u32| scene.total::<L2>(candidates.drive(*index as usize));
-                    let found = close.iter().map(reached).fold(f64::INFINITY, f64::min);
+                    let lowest = close.iter().map(reached).fold(f64::INFINITY, f64::min);
                     // The slack is larger than rounding; a larger loss would mean that an arc was left out by mistake.
-                    let lost = found - least::<L2>(&scene, &candidates, false);
+                    let lost = lowest - least::<L2>(&scene, &candidates, false);
                     assert!(lost <= 0.1 * wide(slack), "{set}: M = {count}, L = {phases}: {lost:e} of {slack:e}");
                 }
             }

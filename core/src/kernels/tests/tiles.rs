@@ -102,17 +102,17 @@ fn a_sweep_sets_every_drive_and_computes_the_field() {
     each(|set, count, rng| {
         for transducers in [1, 16, 37] {
             let scene = Scene::new(count, transducers, set);
-            let mut wanted = complex(rng, count);
-            for plane in &mut wanted {
+            let mut target = complex(rng, count);
+            for plane in &mut target {
                 plane.resize(height(count).max(plane.len()), 0.0);
             }
             let mut memory = vec![f32::NAN; tiles::unit::sweep_floats(height(count))];
             let [drive, _] = scene.play(|wave| {
-                tiles::unit::sweep(set, scene.tiles(), [&wanted[0], &wanted[1]], wave, &mut memory);
+                tiles::unit::sweep(set, scene.tiles(), [&target[0], &target[1]], wave, &mut memory);
             });
             for i in 0..transducers {
                 let part =
-                    |k: usize| scene.matrix[k][i].conj() * Complex64::new(wide(wanted[0][k]), wide(wanted[1][k]));
+                    |k: usize| scene.matrix[k][i].conj() * Complex64::new(wide(target[0][k]), wide(target[1][k]));
                 let want: Complex64 = (0..count).map(part).sum();
                 // The allowed error: that of sums of terms below 4, relative to their modulus, and a few roundings of
                 // the root.
@@ -127,9 +127,9 @@ fn a_sweep_sets_every_drive_and_computes_the_field() {
 fn a_drive_is_played_as_it_is_and_made_full() {
     each(|set, count, rng| {
         let scene = Scene::new(count, 37, set);
-        let own = [(); 2].map(|()| over(rng, 37));
+        let planes = [(); 2].map(|()| over(rng, 37));
         let copy = |wave: &mut Wave<'_>| {
-            wave.drive.iter_mut().zip(&own).for_each(|(part, own)| part.copy_from_slice(own));
+            wave.drive.iter_mut().zip(&planes).for_each(|(part, plane)| part.copy_from_slice(plane));
         };
         let [plain, _] = scene.play(|mut wave| {
             copy(&mut wave);
@@ -142,7 +142,7 @@ fn a_drive_is_played_as_it_is_and_made_full() {
             tiles::play(set, scene.tiles(), wave);
         });
         for i in 0..37 {
-            let q = Complex64::new(wide(own[0][i]), wide(own[1][i]));
+            let q = Complex64::new(wide(planes[0][i]), wide(planes[1][i]));
             assert_eq!(plain[i], q);
             assert!((full[i] - q / q.norm()).norm() <= 8.0 * ROUNDING, "{set} {count}: {}", full[i]);
         }

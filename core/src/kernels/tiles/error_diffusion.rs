@@ -39,7 +39,7 @@ pub(crate) struct Choice<'a> {
     /// The largest code of a phase, in either direction from code 0.
     most: f32,
     /// Distance from code 0, in steps, within which a drive gets code 0; 1/2 means the nearest code.
-    kept: f32,
+    zone: f32,
     /// The largest rotation of a drive, in turns, by which it corrects errors at the points.
     rotation: f32,
     /// Root mean square of the error, relative to the level, below which codes are not exchanged.
@@ -49,14 +49,14 @@ pub(crate) struct Choice<'a> {
 impl<'a> Choice<'a> {
     /// The rule for the least error that the phases allow, with codes up to `most`.
     pub(crate) fn even(phases: &'a Phases, most: f32) -> Self {
-        Self { phases, most, kept: 0.5, rotation: MOST_ROTATION, even: EVEN[0], few: None }
+        Self { phases, most, zone: 0.5, rotation: MOST_ROTATION, even: EVEN[0], few: None }
     }
 
     /// The rule for motion, where code 0 is the last frame's code: few codes change, because each change is audible.
     pub(crate) fn in_motion(phases: &'a Phases, most: f32) -> Self {
         let step = 1.0 / phases.count();
         let even = (step * step).clamp(EVEN[0], EVEN[1]);
-        Self { kept: 0.75, rotation: 0.25 * step, even, few: phases.few(most), ..Self::even(phases, most) }
+        Self { zone: 0.75, rotation: 0.25 * step, even, few: phases.few(most), ..Self::even(phases, most) }
     }
 }
 
@@ -114,18 +114,18 @@ impl<'a> Points<'a> {
     fn new<S: Simd>(s: S, weights: &[f32], targeted: usize, field: [&[f32]; 2], memory: &'a mut [f32]) -> Self {
         memory.fill(0.0);
         let mut lists = groups_mut(memory).chunks_exact_mut(weights.len().div_ceil(EIGHT));
-        let [root, loud, own, unit, miss, pull, change]: [&mut [Lanes]; LISTS] =
+        let [root, loud, pressures, unit, miss, pull, change]: [&mut [Lanes]; LISTS] =
             core::array::from_fn(|_| lists.next().unwrap_or_default());
         for (k, (weight, (re, im))) in weights.iter().zip(field[0].iter().zip(field[1])).enumerate() {
             let (group, lane) = (k / EIGHT, k % EIGHT);
-            (own[group][lane], own[group][lane + EIGHT]) = (*re, *im);
+            (pressures[group][lane], pressures[group][lane + EIGHT]) = (*re, *im);
             for half in [lane, lane + EIGHT] {
                 root[group][half] = sqrtf(*weight);
                 loud[group][half] = if k < targeted { 1.0 } else { 0.0 };
             }
         }
         let share = 0.5 / targeted as f32;
-        let mut points = Self { root, loud, field: own, unit, miss, pull, change, share, level: 0.0 };
+        let mut points = Self { root, loud, field: pressures, unit, miss, pull, change, share, level: 0.0 };
         // The first call computes the mean, the second the errors.
         points.look(s);
         points.look(s);
@@ -144,8 +144,8 @@ impl<'a> Points<'a> {
                 signs[EIGHT..].fill(-1.0);
                 let signs = s.load(&signs);
                 let requested = self.root.iter().zip(&*self.loud).zip(&*self.field);
-                let found = self.unit.iter_mut().zip(&mut *self.miss).zip(&mut *self.pull);
-                for (((root, loud), field), ((unit, miss), pull)) in requested.zip(found) {
+                let outputs = self.unit.iter_mut().zip(&mut *self.miss).zip(&mut *self.pull);
+                for (((root, loud), field), ((unit, miss), pull)) in requested.zip(outputs) {
                     let (root, loud, field) = (s.load(root), s.load(loud), s.load(field));
                     let part = s.mul(field, field);
                     let square = s.max(s.add(part, s.swap::<8>(part)), s.splat(TINY));
@@ -230,9 +230,9 @@ pub(crate) fn diffuse(
         let Task { tiles, choice, weights, targeted, memory } = task;
         let mut points = Points::new(s, weights, targeted, field, memory);
         let (qr, qi, codes) = (groups_mut(qr), groups_mut(qi), groups_mut(codes));
-        let (mut re, mut im, mut own) = (qr.chunks_mut(MOST), qi.chunks_mut(MOST), codes.chunks_mut(MOST));
+        let (mut re, mut im, mut chunks) = (qr.chunks_mut(MOST), qi.chunks_mut(MOST), codes.chunks_mut(MOST));
         let mut tile = 0;
-        while let (Some(re), Some(im), Some(codes)) = (re.next(), im.next(), own.next()) {
+        while let (Some(re), Some(im), Some(codes)) = (re.next(), im.next(), chunks.next()) {
             control.pulse()?;
             // The number of tiles is even.
             match codes.len() {
@@ -249,8 +249,8 @@ pub(crate) fn diffuse(
             let mut moved = false;
             for tile in 0..tiles.lanes / LANES {
                 control.pulse()?;
-                let own = [&mut qr[tile], &mut qi[tile]];
-                moved |= exchange(s, tiles, tile, choice, &mut points, own, &mut codes[tile]);
+                let q = [&mut qr[tile], &mut qi[tile]];
+                moved |= exchange(s, tiles, tile, choice, &mut points, q, &mut codes[tile]);
             }
             if !moved {
                 break;
@@ -322,9 +322,9 @@ fn rounded<S: Simd>(s: S, choice: Choice<'_>, q: [S::V; 2], rotation: S::V) -> (
     s.aside(
         #[inline(always)]
         || {
-            let Choice { phases, most, kept, few, .. } = choice;
+            let Choice { phases, most, zone, few, .. } = choice;
             let later = s.fma(rotation, s.splat(phases.count()), phases.later(s, q));
-            let code = s.select_less(s.abs(s.sub(later, s.splat(0.5))), s.splat(kept), s.splat(0.0), s.floor(later));
+            let code = s.select_less(s.abs(s.sub(later, s.splat(0.5))), s.splat(zone), s.splat(0.0), s.floor(later));
             let code = s.max(s.min(code, s.splat(most)), s.splat(-most));
             // Transducers without effect keep the drive 0.
             let Some(few) = &few else { return (code, phases.phasors(s, code, q)) };

@@ -95,10 +95,10 @@ pub(crate) fn all_sound(set: InstructionSet, tiles: Tiles<'_>, drive: [&[f32]; 2
         let [gr, gi] = tiles.planes.map(blocks);
         let mut missing = 0;
         for (t, ((gr, gi), (qr, qi))) in gr.iter().zip(gi).zip(qr.iter().zip(qi)).enumerate() {
-            let own = (1 << transducers.saturating_sub(t * LANES).min(LANES)) - 1;
+            let mask = (1 << transducers.saturating_sub(t * LANES).min(LANES)) - 1;
             let reach = s.add(s.abs(s.load(&gr[0])), s.abs(s.load(&gi[0])));
             let sound = s.add(s.abs(s.load(qr)), s.abs(s.load(qi)));
-            missing |= own & !s.less(s.splat(0.0), s.min(reach, sound));
+            missing |= mask & !s.less(s.splat(0.0), s.min(reach, sound));
         }
         missing == 0
     })
@@ -127,8 +127,8 @@ pub(crate) fn pack(
         for tile in 0..lanes / LANES {
             control.pulse()?;
             let first = members.start + tile * LANES;
-            let own = first.min(members.end)..(first + LANES).min(members.end);
-            rows.write_tile(s, (tile, stride(lanes)), own, order, [&mut *re, &mut *im]);
+            let range = first.min(members.end)..(first + LANES).min(members.end);
+            rows.write_tile(s, tile, stride(lanes), range, order, [&mut *re, &mut *im]);
         }
         Ok(())
     })

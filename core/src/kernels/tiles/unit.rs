@@ -83,34 +83,34 @@ pub(crate) const fn sweep_floats(rows: usize) -> usize {
 
 /// q = b/|b| with b = sum_j conj(G_j) p_j (0 where b is 0), and P = G q, in one pass over G: two tiles are still in the
 /// nearest cache when P needs them. `memory` contains the lanes of P meanwhile.
-pub(crate) fn sweep(set: InstructionSet, tiles: Tiles<'_>, wanted: [&[f32]; 2], wave: Wave<'_>, memory: &mut [f32]) {
-    dispatch!(set, s => swept::<_, false>(s, tiles, wanted, wave, memory, [-1.0, 0.0]));
+pub(crate) fn sweep(set: InstructionSet, tiles: Tiles<'_>, target: [&[f32]; 2], wave: Wave<'_>, memory: &mut [f32]) {
+    dispatch!(set, s => swept::<_, false>(s, tiles, target, wave, memory, [-1.0, 0.0]));
 }
 
 /// Does the same as [`sweep`], with each q limited to an arc around 1.
 pub(crate) fn sweep_within(
     set: InstructionSet,
     tiles: Tiles<'_>,
-    wanted: [&[f32]; 2],
+    target: [&[f32]; 2],
     arc: Arc,
     wave: Wave<'_>,
     memory: &mut [f32],
 ) {
-    dispatch!(set, s => swept::<_, true>(s, tiles, wanted, wave, memory, arc));
+    dispatch!(set, s => swept::<_, true>(s, tiles, target, wave, memory, arc));
 }
 
 #[inline(always)]
 fn swept<S: Simd, const WITHIN: bool>(
     s: S,
     tiles: Tiles<'_>,
-    wanted: [&[f32]; 2],
+    target: [&[f32]; 2],
     wave: Wave<'_>,
     memory: &mut [f32],
     arc: Arc,
 ) {
     let Wave { drive: [qr, qi], field: [re, im] } = wave;
     let (qr, qi) = (groups_mut(qr), groups_mut(qi));
-    let [pr, pi] = wanted.map(|plane| plane.as_chunks::<BLOCK>().0);
+    let [pr, pi] = target.map(|plane| plane.as_chunks::<BLOCK>().0);
     memory.fill(0.0);
     let parts = blocks_mut(memory).as_chunks_mut::<2>().0;
     for t in (0..qr.len()).step_by(2) {
@@ -151,7 +151,7 @@ pub(crate) fn turn(
     wave: Wave<'_>,
 ) {
     // Without limits the kernel does not use the arcs.
-    dispatch!(set, s => turned::<_, false>(s, tiles, from, (turns, factor, [turns; 2]), wave));
+    dispatch!(set, s => turned::<_, false>(s, tiles, from, turns, factor, [turns; 2], wave));
 }
 
 /// Does the same as [`turn`] with factor 1, and each q limited to its own arc around 1.
@@ -163,7 +163,7 @@ pub(crate) fn turn_within(
     arcs: Arcs<'_>,
     wave: Wave<'_>,
 ) {
-    dispatch!(set, s => turned::<_, true>(s, tiles, from, (turns, 1.0, arcs), wave));
+    dispatch!(set, s => turned::<_, true>(s, tiles, from, turns, 1.0, arcs, wave));
 }
 
 #[inline(always)]
@@ -171,7 +171,9 @@ fn turned<S: Simd, const WITHIN: bool>(
     s: S,
     tiles: Tiles<'_>,
     from: [&[f32]; 2],
-    (turns, factor, arcs): (&[f32], f32, Arcs<'_>),
+    turns: &[f32],
+    factor: f32,
+    arcs: Arcs<'_>,
     wave: Wave<'_>,
 ) {
     let ([re, im], [cos, sin], turns) = (from.map(groups), arcs.map(groups), groups(turns));

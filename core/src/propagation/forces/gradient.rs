@@ -93,8 +93,8 @@ pub fn gradient(
     cotangent: &[f64],
     control: &mut Control,
 ) -> Result<Gradient, Error> {
-    let wanted = points.len() * quantity.width();
-    one_each("cotangent", cotangent.len(), "numbers", wanted, "numbers of the value")?;
+    let width = points.len() * quantity.width();
+    one_each("cotangent", cotangent.len(), "numbers", width, "numbers of the value")?;
     if let Some(k) = cotangent.iter().position(|x| !x.is_finite()) {
         return Err(Error::not_finite(format!("cotangent[{k}]"), cotangent[k]));
     }
@@ -292,8 +292,8 @@ impl<'a> Pass<'a> {
         let least = self.medium.wavelength() / 100.0;
         let mut p = Complex64::ZERO;
         for (seen, sent) in self.all.iter().zip(&mut *sent) {
-            let sources = (&seen.waves.emitters[..], &seen.drives[..]);
-            let ([re, im], near) = forth(self.set, &seen.waves.waves, sources, point, sent, control)?;
+            let Taylor { waves, emitters, .. } = &seen.waves;
+            let ([re, im], near) = forth(self.set, waves, emitters, &seen.drives, point, sent, control)?;
             if near * least >= 1.0 {
                 (0..seen.sources.array.len()).try_for_each(|i| seen.sources.check_distance(i, index, point))?;
             }
@@ -358,7 +358,7 @@ impl Part {
     /// Adds the sums of another block.
     fn add(&mut self, other: &Self) {
         let all = self.pulls.iter_mut().zip(&other.pulls);
-        all.for_each(|(own, other)| own.iter_mut().zip(other).for_each(|(own, other)| own.add(other)));
+        all.for_each(|(pulls, others)| pulls.iter_mut().zip(others).for_each(|(pull, other)| pull.add(other)));
         self.by_k += other.by_k;
         self.by_speed += other.by_speed;
     }

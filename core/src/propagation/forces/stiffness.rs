@@ -62,15 +62,17 @@ impl Stiffness {
     /// # Errors
     /// More memory than allowed, a stop by the caller.
     pub(crate) fn of(
-        (set, Bead { particle, gravity }): (InstructionSet, Bead),
+        Bead { particle, gravity }: Bead,
         sources: &Sources,
         scattering: Option<&Scattering>,
         channels: Option<&Channels>,
-        (places, chosen): (&[[f64; 3]], [Vec<usize>; 2]),
+        places: &[[f64; 3]],
+        chosen: [Vec<usize>; 2],
         control: &mut Control,
     ) -> Result<Option<Self>, Error> {
         let points: Vec<[f64; 3]> = chosen.iter().flatten().map(|&j| places[j]).collect();
-        let transducers = sources.array.len();
+        // The best instruction set can be used, because all sets give the same bits.
+        let (set, transducers) = (InstructionSet::best(), sources.array.len());
         let columns = channels.map_or(transducers, Channels::count);
         let lanes = padded(points.len() * TERMS);
         control.room("the stiffness of traps", [transducers, points.len()], bytes(8, &[transducers, lanes]))?;
@@ -79,8 +81,8 @@ impl Stiffness {
         let mut add = |j: usize, i: usize, wave: &[[f64; TERMS]; 2]| {
             let first = channels.map_or(i, |channels| channels.of()[i]) * lanes + j * TERMS;
             for (plane, part) in [&mut re, &mut im].into_iter().zip(wave) {
-                for (own, (c, unit)) in plane[first..].iter_mut().zip(part.iter().zip(&units)) {
-                    *own += (c * unit) as f32;
+                for (entry, (c, unit)) in plane[first..].iter_mut().zip(part.iter().zip(&units)) {
+                    *entry += (c * unit) as f32;
                 }
             }
         };

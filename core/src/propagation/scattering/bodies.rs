@@ -130,8 +130,8 @@ impl Bodies {
             |(i, q): (usize, &Complex32)| sources.array.effect(i) * Complex64::new(f64::from(q.re), f64::from(q.im));
         let played: Vec<Complex64> = drive.iter().enumerate().map(played).collect();
         let sum = |[re, im]: [&[f32]; 2]| {
-            let own = re.iter().zip(im).map(|(&re, &im)| Complex64::new(f64::from(re), f64::from(im)));
-            own.zip(&played).map(|(own, q)| own * q).sum()
+            let waves = re.iter().zip(im).map(|(&re, &im)| Complex64::new(f64::from(re), f64::from(im)));
+            waves.zip(&played).map(|(waves, q)| waves * q).sum()
         };
         self.each().map(sum).collect()
     }

@@ -113,18 +113,18 @@ impl Boundary {
     /// The parameters that the sound on the boundary depends on, as bytes: the key for a cache of solutions.
     #[must_use]
     pub fn content(&self) -> Vec<u8> {
-        let (own, medium) = (&self.sources[0].array, self.medium());
+        let (array, medium) = (&self.sources[0].array, self.medium());
         // {:?} writes the shortest text that reads as the same f64.
         let medium = [medium.frequency, medium.sound_speed, medium.absorption];
-        let placed = (own.positions(), own.normals(), own.transducer(), medium);
+        let placed = (array.positions(), array.normals(), array.transducer(), medium);
         format!("{placed:?} {:?}", self.obstacles.list()).into_bytes()
     }
 
     /// Whether the boundary belongs to this array and medium. Responses do not matter.
     pub(crate) fn fits(&self, array: &Array, medium: Medium) -> bool {
-        let own = &self.sources[0].array;
-        let placed = own.positions() == array.positions() && own.normals() == array.normals();
-        placed && own.transducer() == array.transducer() && self.medium() == medium
+        let solved = &self.sources[0].array;
+        let placed = solved.positions() == array.positions() && solved.normals() == array.normals();
+        placed && solved.transducer() == array.transducer() && self.medium() == medium
     }
 
     /// Returns the matrix A (E, E), row by row.
@@ -156,16 +156,16 @@ impl Boundary {
 
     /// Writes the equation at the middle of element `e`, row `e` of A.
     fn fill(&self, e: usize, row: &mut [Complex32]) {
-        let own = &self.elements[e];
+        let element = &self.elements[e];
         let (wave, eta) = (self.medium().complex_wavenumber(), self.eta());
         for (f, (entry, other)) in row.iter_mut().zip(&self.elements).enumerate() {
             let mut sum = if e == f {
-                own.own_influence(wave, eta) - own.jump()
+                element.own_influence(wave, eta) - element.jump()
             } else {
-                influence(wave, (own.center(), Some((own.normal, eta))), other)
+                influence(wave, (element.center(), Some((element.normal, eta))), other)
             };
             for (sign, images) in &self.images {
-                sum += *sign * influence(wave, (own.center(), Some((own.normal, eta))), &images[f]);
+                sum += *sign * influence(wave, (element.center(), Some((element.normal, eta))), &images[f]);
             }
             *entry = Complex32::new(-sum.re as f32, -sum.im as f32);
         }
@@ -222,9 +222,9 @@ impl Boundary {
 
     /// Checks that `sound` (E, N) has the size of this boundary and is finite.
     pub(crate) fn check_sound(&self, sound: &[Complex32]) -> Result<(), Error> {
-        let wanted = self.elements.len() * self.transducers();
-        if sound.len() != wanted {
-            let cure = format!("give {wanted}, one for each of {} elements and transducer", self.elements.len());
+        let count = self.elements.len() * self.transducers();
+        if sound.len() != count {
+            let cure = format!("give {count}, one for each of {} elements and transducer", self.elements.len());
             return Err(Error::shape("sound", format!("{} numbers", sound.len()), cure));
         }
         if let Some(k) = sound.iter().position(|u| !(u.re.is_finite() && u.im.is_finite())) {

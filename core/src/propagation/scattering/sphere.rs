@@ -84,7 +84,7 @@ impl Sphere {
         let legendre = self.legendre((ray[2] / r).clamp(-1.0, 1.0));
         row.clear();
         row.resize(self.waves(), Complex64::ZERO);
-        let ratios: Vec<Complex64> = outgoing.iter().zip(&self.surface).map(|(own, surface)| own / surface).collect();
+        let ratios: Vec<Complex64> = outgoing.iter().zip(&self.surface).map(|(wave, surface)| wave / surface).collect();
         for m in 0..=self.order {
             let turn = math::phasor(m as f64 * angle);
             for n in m..=self.order {
@@ -166,21 +166,21 @@ impl Sphere {
     /// unit sphere.
     fn legendre(&self, cosine: f64) -> Vec<f64> {
         let sine = math::sqrt(1.0 - cosine * cosine);
-        let mut found = vec![0.0; self.factors.len()];
+        let mut values = vec![0.0; self.factors.len()];
         let mut diagonal = 1.0 / math::sqrt(4.0 * PI);
         for m in 0..=self.order {
             if m > 0 {
                 diagonal *= sine * self.factors[at(m, m)][0];
             }
             let mut last = [0.0, diagonal];
-            found[at(m, m)] = diagonal;
+            values[at(m, m)] = diagonal;
             for n in m + 1..=self.order {
                 let [forward, back] = self.factors[at(n, m)];
                 last = [last[1], forward * (cosine * last[1] - back * last[0])];
-                found[at(n, m)] = last[1];
+                values[at(n, m)] = last[1];
             }
         }
-        found
+        values
     }
 }
 
@@ -315,13 +315,13 @@ fn factors(order: usize) -> Vec<[f64; 2]> {
 fn hankel(z: Complex64, order: usize) -> Vec<Complex64> {
     let wave = math::phasor(z.re) * math::exp(-z.im);
     let first = Complex64::new(wave.im, -wave.re) / z;
-    let mut found = vec![first, first / z - Complex64::I * first];
+    let mut values = vec![first, first / z - Complex64::I * first];
     for n in 1..order {
-        let next = found[n] * (2 * n + 1) as f64 / z - found[n - 1];
-        found.push(next);
+        let next = values[n] * (2 * n + 1) as f64 / z - values[n - 1];
+        values.push(next);
     }
-    found.truncate(order + 1);
-    found
+    values.truncate(order + 1);
+    values
 }
 
 /// Nodes and weights of the Gauss rule on [-1, 1]; Newton's method finds the roots of the Legendre polynomial.
@@ -331,13 +331,13 @@ pub(crate) fn gauss(count: usize) -> (Vec<f64>, Vec<f64>) {
         let mut slope = 1.0;
         // Convergence is quadratic from a start that is accurate to 1e-3: five steps are more than enough.
         for _ in 0..6 {
-            let [mut last, mut own] = [1.0, x];
+            let [mut last, mut value] = [1.0, x];
             for n in 2..=count {
                 let n = n as f64;
-                [last, own] = [own, ((2.0 * n - 1.0) * x * own - (n - 1.0) * last) / n];
+                [last, value] = [value, ((2.0 * n - 1.0) * x * value - (n - 1.0) * last) / n];
             }
-            slope = count as f64 * (x * own - last) / (x * x - 1.0);
-            x -= own / slope;
+            slope = count as f64 * (x * value - last) / (x * x - 1.0);
+            x -= value / slope;
         }
         (x, 2.0 / ((1.0 - x * x) * slope * slope))
     };

@@ -14,18 +14,18 @@ fn values_on_a_ball_give_the_polynomial_of_a_transducer() {
     // One point is about a wavelength from the transducer, the other about a quarter of a wavelength. The radius of the ball is
     // an eighth of the distance.
     for point in [[0.013, 0.002, 0.006], [0.01, -0.003, 0.0019]] {
-        let mut wanted = [Jet::ZERO; 2];
+        let mut exact = [Jet::ZERO; 2];
         let taylor = Taylor::new(InstructionSet::best(), &sources, |_| Complex64::ONE);
-        taylor.add(point, &mut wanted, &mut Control::none()).expect("it is not stopped");
+        taylor.add(point, &mut exact, &mut Control::none()).expect("it is not stopped");
         let clear = crate::scene::distance(point, [0.01, -0.004, 0.0]);
         let local = Local::new(medium.complex_wavenumber(), clear / 8.0);
-        let found = local.expand(point, |place| sources.exact(0, place));
+        let value = local.expand(point, |place| sources.exact(0, place));
         let largest = |degree: i32| {
             let of =
                 |(term, c): (usize, &f64)| if crate::propagation::jet::degree(term) == degree { c.abs() } else { 0.0 };
-            wanted.iter().flat_map(|part| part.coefficients().iter().enumerate().map(of)).fold(0.0, f64::max)
+            exact.iter().flat_map(|part| part.coefficients().iter().enumerate().map(of)).fold(0.0, f64::max)
         };
-        for (part, other) in found.iter().zip(&wanted) {
+        for (part, other) in value.iter().zip(&exact) {
             for (term, (c, d)) in part.coefficients().iter().zip(other.coefficients()).enumerate() {
                 let most = largest(crate::propagation::jet::degree(term));
                 assert!((c - d).abs() < 1e-5 * most, "{point:?}, term {term}: {c} {d}");

@@ -52,9 +52,9 @@ fn strips_add_up_to_sums_over_all_transducers() {
         let propagation = Propagation::from_matrix(&matrix, count).expect("propagation").with_instruction_set(set);
         let at = |j: usize, i: usize| matrix[j * transducers + i] / propagation.reference();
         let mut phasors = Planar::zeros(1, propagation.lanes(), &work);
-        let wanted: Vec<Complex64> = (0..count).map(|_| Complex64::new(number(), number())).collect();
-        for (j, wanted) in wanted.iter().enumerate() {
-            (phasors.re[j], phasors.im[j]) = (wanted.re as f32, wanted.im as f32);
+        let target: Vec<Complex64> = (0..count).map(|_| Complex64::new(number(), number())).collect();
+        for (j, target) in target.iter().enumerate() {
+            (phasors.re[j], phasors.im[j]) = (target.re as f32, target.im as f32);
         }
         let mut strips = Strips::new(&propagation, &work);
         let none = &mut Control::none();
@@ -73,9 +73,9 @@ fn strips_add_up_to_sums_over_all_transducers() {
             assert!((got - received).norm() <= allowed(transducers) * count as f64);
         }
         for i in (0..transducers).step_by(1 + transducers / 9) {
-            let want: Complex64 = (0..count).map(|j| at(j, i).conj() * wanted[j]).sum();
+            let want: Complex64 = (0..count).map(|j| at(j, i).conj() * target[j]).sum();
             assert!((drive(i) - want).norm() <= allowed(count), "{set} {count} {i}");
-            let want: f64 = (0..count).map(|j| at(j, i).norm() * wanted[j].re).sum();
+            let want: f64 = (0..count).map(|j| at(j, i).norm() * target[j].re).sum();
             assert!((f64::from(moduli[i]) - want).abs() <= allowed(count), "{set} {count} {i}");
         }
         assert!(drives.iter().all(|part| part[transducers..].iter().all(|&x| x == 0.0)));

@@ -81,36 +81,36 @@ fn each_wave_and_their_sum_are_those_of_multiplied_polynomials() {
     for (law, absorption) in laws.flat_map(|law| [(law, 0.0), (law, 0.15)]) {
         let (sources, factors) = sources(law, absorption);
         let point = [0.013, -0.02, 0.17];
-        let mut wanted = [Jet::ZERO; 2];
+        let mut total = [Jet::ZERO; 2];
         let mut all = vec![];
         for (i, q) in factors.iter().enumerate() {
             let [re, im] = jet(&sources, i, point);
-            let mut own = [Jet::ZERO; 2];
-            for (part, [own_re, own_im]) in own.iter_mut().zip([[q.re, -q.im], [q.im, q.re]]) {
-                part.add(&re, own_re);
-                part.add(&im, own_im);
+            let mut wave = [Jet::ZERO; 2];
+            for (part, [to_re, to_im]) in wave.iter_mut().zip([[q.re, -q.im], [q.im, q.re]]) {
+                part.add(&re, to_re);
+                part.add(&im, to_im);
             }
-            wanted.iter_mut().zip(&own).for_each(|(sum, own)| sum.add(own, 1.0));
-            all.push(own);
+            total.iter_mut().zip(&wave).for_each(|(sum, wave)| sum.add(wave, 1.0));
+            all.push(wave);
         }
-        let near = |found: &[f64; TERMS], wanted: &Jet| {
-            for (term, (found, wanted)) in found.iter().zip(wanted.coefficients()).enumerate() {
+        let near = |value: &[f64; TERMS], exact: &Jet| {
+            for (term, (value, exact)) in value.iter().zip(exact.coefficients()).enumerate() {
                 let unit = 300.0 * f64::powi(740.0, crate::propagation::jet::degree(term));
-                assert!((found - wanted).abs() < 1e-12 * unit, "{law:?}, term {term}: {found} {wanted}");
+                assert!((value - exact).abs() < 1e-12 * unit, "{law:?}, term {term}: {value} {exact}");
             }
         };
         let mut bits = None;
         for set in InstructionSet::all() {
             let taylor = Taylor::new(set, &sources, |i| factors[i]);
-            let mut found = [Jet::ZERO; 2];
-            taylor.add(point, &mut found, &mut Control::none()).expect("it is not stopped");
-            found.iter().zip(&wanted).for_each(|(found, wanted)| near(found.coefficients(), wanted));
-            let own = found.each_ref().map(|part| part.coefficients().map(f64::to_bits));
-            assert_eq!(*bits.get_or_insert(own), own, "every set has the same bits");
+            let mut value = [Jet::ZERO; 2];
+            taylor.add(point, &mut value, &mut Control::none()).expect("it is not stopped");
+            value.iter().zip(&total).for_each(|(value, exact)| near(value.coefficients(), exact));
+            let pattern = value.each_ref().map(|part| part.coefficients().map(f64::to_bits));
+            assert_eq!(*bits.get_or_insert(pattern), pattern, "every set has the same bits");
             let mut count = 0;
             let take = |i: usize, wave: [[f64; TERMS]; 2]| {
                 count += 1;
-                wave.iter().zip(&all[i]).for_each(|(found, wanted)| near(found, wanted));
+                wave.iter().zip(&all[i]).for_each(|(value, exact)| near(value, exact));
             };
             taylor.each(point, &mut Control::none(), take).expect("it is not stopped");
             assert_eq!(count, 12);
@@ -128,9 +128,9 @@ fn values_are_those_of_eq_5() {
         let mut rows = vec![vec![Complex64::ONE; sources.array.len()]; points.len()];
         add_exact(&sources, &points, &mut rows);
         for (point, row) in points.into_iter().zip(&rows) {
-            for (i, found) in row.iter().enumerate() {
-                let wanted = Complex64::ONE + sources.exact(i, point);
-                assert!((found - wanted).norm() < 1e-12 * wanted.norm().max(1.0), "{law:?} {i}: {found} {wanted}");
+            for (i, value) in row.iter().enumerate() {
+                let exact = Complex64::ONE + sources.exact(i, point);
+                assert!((value - exact).norm() < 1e-12 * exact.norm().max(1.0), "{law:?} {i}: {value} {exact}");
             }
         }
     }

@@ -102,8 +102,7 @@ impl CoordinateDescent<'_> {
             let i = i as usize;
             propagation.row(i, &mut row.re, &mut row.im);
             let (present, range) = ([drive[i].re, drive[i].im], range(i));
-            let [re, im] =
-                kernels::replace::<T>(set, row.row(0), present, self.candidates, range, (&mut *points, count));
+            let [re, im] = kernels::replace::<T>(set, row.row(0), present, self.candidates, range, points, count);
             drive[i] = Complex32::new(re, im);
             updates += 1;
             if control.step(updates, all, || problem.residual_of(moduli(points))).is_break() {

@@ -58,9 +58,8 @@ pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &Workspace, cont
             }
             propagation.row(i, &mut row.re, &mut row.im);
             let memory = [&mut wave.re[..], &mut wave.im[..]];
-            let points = (&mut kept[..], propagation.points());
-            let choice =
-                kernels::rotate(propagation.instruction_set(), row.row(0), [q.re, q.im], &candidates, points, memory);
+            let (set, count) = (propagation.instruction_set(), propagation.points());
+            let choice = kernels::rotate(set, row.row(0), [q.re, q.im], &candidates, &mut kept, count, memory);
             if choice > 0 {
                 let [re, im] = candidates.drive(choice);
                 *q = quantization.nearest(*q * Complex32::new(re, im));

@@ -125,10 +125,10 @@ impl Setting {
 }
 
 /// The largest difference between found and wanted numbers, relative to the largest wanted one.
-fn off(found: &[f64], wanted: &[f64]) -> f64 {
-    let most = wanted.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let far = found.iter().zip(wanted).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
-    assert_eq!(found.len(), wanted.len());
+fn off(value: &[f64], exact: &[f64]) -> f64 {
+    let most = exact.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let far = value.iter().zip(exact).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+    assert_eq!(value.len(), exact.len());
     if far == 0.0 { 0.0 } else { far / most }
 }
 
@@ -145,8 +145,8 @@ fn worst(quantity: Quantity, seeds: core::ops::Range<usize>) -> [f64; 5] {
         let difference =
             |step, change: &dyn Fn(&mut Setting, f64)| setting.difference(quantity, &cotangent, step, change);
         let each = |count: usize, step: f64, change: fn(&mut Setting, usize, usize, f64)| -> Vec<f64> {
-            let own = |(i, axis): (usize, usize)| difference(step, &|setting, by| change(setting, i, axis, by));
-            (0..count).flat_map(|i| [(i, 0), (i, 1), (i, 2)]).map(own).collect()
+            let slope = |(i, axis): (usize, usize)| difference(step, &|setting, by| change(setting, i, axis, by));
+            (0..count).flat_map(|i| [(i, 0), (i, 1), (i, 2)]).map(slope).collect()
         };
         let [length, number, speed] = STEPS;
         let parts = |i: usize| {
@@ -155,7 +155,7 @@ fn worst(quantity: Quantity, seeds: core::ops::Range<usize>) -> [f64; 5] {
         };
         let count = setting.drive.len();
         let drive: Vec<f64> = (0..count).flat_map(parts).collect();
-        let found = by.drive.iter().flat_map(|q| [q.re, q.im]).collect::<Vec<_>>();
+        let by_drive = by.drive.iter().flat_map(|q| [q.re, q.im]).collect::<Vec<_>>();
         let points = each(setting.points.len(), length, |setting, j, axis, by| setting.points[j][axis] += by);
         let positions = each(count, length, |setting, i, axis, by| setting.positions[i][axis] += by);
         // Derivatives by the unit normals, which the array computes from the given normals.
@@ -167,14 +167,14 @@ fn worst(quantity: Quantity, seeds: core::ops::Range<usize>) -> [f64; 5] {
         let normals: Vec<f64> = (0..count).flat_map(|i| [0, 1, 2].map(|axis| turned(i, axis))).collect();
         let sound = [difference(speed, &|setting, by| setting.medium.sound_speed += by)];
         let pairs = [
-            (found, drive),
+            (by_drive, drive),
             (by.points.as_flattened().to_vec(), points),
             (by.positions.as_flattened().to_vec(), positions),
             (by.normals.as_flattened().to_vec(), normals),
             (vec![by.sound_speed], sound.to_vec()),
         ];
-        for (k, (found, wanted)) in pairs.iter().enumerate() {
-            let off = off(found, wanted);
+        for (k, (value, exact)) in pairs.iter().enumerate() {
+            let off = off(value, exact);
             assert!(off < WORST, "scene {seed}, {quantity:?}, gradient {k}, {:?}: {off:e}", setting.directivity);
             worst[k] = worst[k].max(off);
         }

@@ -32,7 +32,7 @@ fn a_small_sphere_has_kings_force_in_standing_and_running_waves() {
         // of two waves: pi a^2 (ka) E (1 + 2/3 (1 - r))/(2 + r) 8 sin 2kh.
         let z = 0.1 / k;
         let standing = sphere.force([0.0, 0.0, z], waves(1.0, medium), &mut Control::none()).expect("a force");
-        let wanted = 4.0
+        let exact = 4.0
             * PI
             * radius
             * radius
@@ -41,10 +41,10 @@ fn a_small_sphere_has_kings_force_in_standing_and_running_waves() {
             * 2.0
             * math::sin(2.0 * k * z)
             * ((1.0 + 2.0 / 3.0 * (1.0 - ratio)) / (2.0 + ratio));
-        assert!((standing[2] / wanted - 1.0).abs() < 2e-3, "{} {wanted}", standing[2]);
+        assert!((standing[2] / exact - 1.0).abs() < 2e-3, "{} {exact}", standing[2]);
         // A single travelling wave: 4 pi a^2 (ka)^4 E (1 + 2/9 (1 - r)^2)/(2 + r)^2.
         let running = sphere.force([0.0; 3], waves(0.0, medium), &mut Control::none()).expect("a force");
-        let wanted = 4.0
+        let exact = 4.0
             * PI
             * radius
             * radius
@@ -52,7 +52,7 @@ fn a_small_sphere_has_kings_force_in_standing_and_running_waves() {
             * energy
             * (1.0 + 2.0 / 9.0 * (1.0 - ratio) * (1.0 - ratio))
             / ((2.0 + ratio) * (2.0 + ratio));
-        assert!((running[2] / wanted - 1.0).abs() < 2e-3, "{} {wanted}", running[2]);
+        assert!((running[2] / exact - 1.0).abs() < 2e-3, "{} {exact}", running[2]);
         // The force across the wave is only rounding, of sums as large as those of the standing wave.
         assert!(running[0].abs() + running[1].abs() < 1e-13 * standing[2], "{running:?} {standing:?}");
     }

@@ -5,13 +5,13 @@ use crate::control::Control;
 use crate::kernels::InstructionSet;
 use crate::propagation::Model;
 use crate::propagation::forces::gorkov::gorkov;
-use crate::propagation::kept::Kept;
+use crate::propagation::recipe::Recipe;
 use crate::rng::Rng;
 use crate::scene::{Array, Bead, Directivity, Obstacle, Particle, Signature, Surface, Transducer};
 
 /// Returns a model of two facing arrays of 4 x 3 transducers with a wall beside them, and the stored propagation matrix G at
 /// two points.
-fn kept() -> (Model, Kept) {
+fn recipe() -> (Model, Recipe) {
     let place = |i: usize| [0.011 * (i % 4) as f64, 0.012 * (i / 4 % 3) as f64, if i < 12 { 0.0 } else { 0.08 }];
     let normals = (0..24).map(|i| [0.0, 0.0, if i < 12 { 1.0 } else { -1.0 }]).collect();
     let transducer = Transducer { directivity: Directivity::piston(4.5e-3), ..Transducer::default() };
@@ -23,26 +23,26 @@ fn kept() -> (Model, Kept) {
         .expect("a model")
         .with_signature(Some(Signature::Trap));
     let propagation = model.propagation(&[[0.01, 0.02, 0.037], [0.024, 0.005, 0.044]]).expect("points");
-    let kept = propagation.origin().and_then(|(_, _, kept)| kept).expect("kept").clone();
-    (model, kept)
+    let recipe = propagation.origin().and_then(|(_, _, recipe)| recipe).expect("kept").clone();
+    (model, recipe)
 }
 
 #[test]
 fn it_is_the_stiffness_of_gorkov_and_its_slope() {
-    let (model, kept) = kept();
+    let (model, recipe) = recipe();
     let traps =
-        (kept.make.stiffness)(&kept, Bead::default(), &mut Control::none()).expect("room").expect("derivatives");
+        (recipe.make.stiffness)(&recipe, Bead::default(), &mut Control::none()).expect("room").expect("derivatives");
     let mut rng = Rng::new(3);
     let drive: Vec<_> = (0..24).map(|_| Complex32::cis(6.3 * rng.uniform() as f32)).collect();
-    let felt = gorkov(&model, &drive, &kept.points, Particle::default(), &mut Control::none()).expect("a force");
+    let felt = gorkov(&model, &drive, &recipe.points, Particle::default(), &mut Control::none()).expect("a force");
     let c = traps.field(&drive);
     let planes = |c: &[Vec<f32>; 2]| -> Vec<f64> { traps.at([&c[0], &c[1]]).collect() };
     let reported = planes(&c);
-    let wanted: Vec<f64> = felt.hessian.iter().flat_map(|hessian| eigen(*hessian).0).collect();
-    let largest = wanted.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
+    let exact: Vec<f64> = felt.hessian.iter().flat_map(|hessian| eigen(*hessian).0).collect();
+    let largest = exact.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
     assert_eq!(reported.len(), 6);
-    for (reported, wanted) in reported.iter().zip(&wanted) {
-        assert!((reported - wanted).abs() < 1e-5 * largest, "{reported} {wanted}");
+    for (reported, exact) in reported.iter().zip(&exact) {
+        assert!((reported - exact).abs() < 1e-5 * largest, "{reported} {exact}");
     }
     // Compares the derivative in the direction of another field's coefficients with a central difference.
     let weights = [0.3, -0.2, 0.7, 0.1, 0.9, -0.4];
@@ -50,12 +50,9 @@ fn it_is_the_stiffness_of_gorkov_and_its_slope() {
     let shifted = |part: f32| [0, 1].map(|k| c[k].iter().zip(&way[k]).map(|(a, b)| a + part * b).collect());
     let forces = [[2e3, -1e3, 3e3], [-500.0, 700.0, 4e3]];
     let net = |c: &[Vec<f32>; 2]| traps.balance([&c[0], &c[1]]).0;
-    for (own, force) in net(&c).iter().zip(&felt.force) {
-        let wanted = [0, 1, 2].map(|axis| force[axis] + traps.load[0][axis]);
-        assert!(
-            own.iter().zip(wanted).all(|(own, wanted)| (own - wanted).abs() < 1e-8 * largest),
-            "{own:?} {wanted:?}"
-        );
+    for (sum, force) in net(&c).iter().zip(&felt.force) {
+        let exact = [0, 1, 2].map(|axis| force[axis] + traps.load[0][axis]);
+        assert!(sum.iter().zip(exact).all(|(sum, exact)| (sum - exact).abs() < 1e-8 * largest), "{sum:?} {exact:?}");
     }
     let sum = |c: &[Vec<f32>; 2]| {
         let pulled = net(c).as_flattened().iter().zip(forces.as_flattened()).map(|(f, v)| f * v).sum::<f64>();
@@ -72,24 +69,24 @@ fn it_is_the_stiffness_of_gorkov_and_its_slope() {
 
 #[test]
 fn beside_a_ball_it_is_that_of_gorkov_and_on_its_surface_there_is_none() {
-    let (model, kept) = kept();
+    let (model, recipe) = recipe();
     let ball = Obstacle::Sphere { center: [0.04, 0.02, 0.04], radius: 0.01, kind: Surface::Rigid };
     let model = model.with_obstacles(&[ball]).expect("a model");
     let traps = |points: &[[f64; 3]]| {
         let propagation = model.propagation(points).expect("points");
-        let kept = propagation.origin().and_then(|(_, _, kept)| kept).expect("kept");
-        (kept.make.stiffness)(kept, Bead::default(), &mut Control::none()).expect("room")
+        let recipe = propagation.origin().and_then(|(_, _, recipe)| recipe).expect("kept");
+        (recipe.make.stiffness)(recipe, Bead::default(), &mut Control::none()).expect("room")
     };
     let mut rng = Rng::new(4);
     let drive: Vec<_> = (0..24).map(|_| Complex32::cis(6.3 * rng.uniform() as f32)).collect();
-    let felt = gorkov(&model, &drive, &kept.points, Particle::default(), &mut Control::none()).expect("a force");
-    let known = traps(&kept.points).expect("derivatives");
+    let felt = gorkov(&model, &drive, &recipe.points, Particle::default(), &mut Control::none()).expect("a force");
+    let known = traps(&recipe.points).expect("derivatives");
     let c = known.field(&drive);
-    let wanted: Vec<f64> = felt.hessian.iter().flat_map(|hessian| eigen(*hessian).0).collect();
-    let largest = wanted.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
+    let exact: Vec<f64> = felt.hessian.iter().flat_map(|hessian| eigen(*hessian).0).collect();
+    let largest = exact.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
     let (net, _) = known.balance([&c[0], &c[1]]);
-    for (own, wanted) in known.at([&c[0], &c[1]]).zip(&wanted) {
-        assert!((own - wanted).abs() < 1e-4 * largest, "{own} {wanted}");
+    for (value, exact) in known.at([&c[0], &c[1]]).zip(&exact) {
+        assert!((value - exact).abs() < 1e-4 * largest, "{value} {exact}");
     }
     for (net, force) in net.iter().zip(&felt.force) {
         let far = [0, 1, 2].map(|axis| (net[axis] - force[axis] - known.load[0][axis]).abs());

@@ -46,15 +46,15 @@ fn series(kind: Surface, source: [f64; 3], point: [f64; 3]) -> Complex64 {
     let [r_source, r] = [away(source, CENTER), away(point, CENTER)];
     let cosine = (0..3).map(|x| from[x] * to[x]).sum::<f64>() / (r_source * r);
     let (order, a) = (60, K * RADIUS);
-    let [own, near, far] = [a, K * r, K * r_source].map(|x| bessel(x, order + 1));
+    let [surface, near, far] = [a, K * r, K * r_source].map(|x| bessel(x, order + 1));
     let direct = away(source, point);
     let mut sum = Complex64::from_polar(1.0 / direct, K * direct);
     let (mut last, mut legendre) = (0.0, 1.0);
     for n in 0..order {
         let slope = |values: &[Complex64]| values[n] * n as f64 / a - values[n + 1];
         let ratio = match kind {
-            Surface::Rigid => slope(&own).re / slope(&own),
-            Surface::Soft => own[n].re / own[n],
+            Surface::Rigid => slope(&surface).re / slope(&surface),
+            Surface::Soft => surface[n].re / surface[n],
         };
         sum -= Complex64::I * K * (2 * n + 1) as f64 * ratio * far[n] * near[n] * legendre;
         (last, legendre) = (legendre, ((2 * n + 1) as f64 * cosine * legendre - n as f64 * last) / (n + 1) as f64);
@@ -91,7 +91,7 @@ fn a_sphere_is_its_classical_series() {
         let sphere = Obstacle::Sphere { center: CENTER, radius: RADIUS, kind };
         let model = model(&array, Medium::default()).with_obstacles(&[sphere]).expect("a sphere");
         let points = points();
-        let found = model.propagation(&points).expect("points");
+        let propagation = model.propagation(&points).expect("points");
         let drive: Vec<Complex32> = (0..6).map(|i| Complex32::from_polar(1.0, i as f32)).collect();
         let pressures = field(&model, &drive, &points, &mut Control::none()).expect("a field");
         for (j, &point) in points.iter().enumerate() {
@@ -99,7 +99,7 @@ fn a_sphere_is_its_classical_series() {
             for (i, &position) in array.positions().iter().enumerate() {
                 let expected = array.effect(i) * series(kind, position, point);
                 let largest = 2.0 / (RADIUS * 3.0);
-                assert!((found.exact(j, i) - expected).norm() < 2e-5 * largest, "{kind:?} {i} {j} {expected}");
+                assert!((propagation.exact(j, i) - expected).norm() < 2e-5 * largest, "{kind:?} {i} {j} {expected}");
                 sum += expected * Complex64::from_polar(1.0, i as f64);
             }
             let p = Complex64::new(pressures[j].re.into(), pressures[j].im.into());
@@ -130,8 +130,8 @@ fn ball(center: [f64; 3], radius: f64, cuts: u32, kind: Surface) -> Obstacle {
     let mut index = |vertex: [f64; 3]| {
         let length = vertex.iter().map(|x| x * x).sum::<f64>().sqrt();
         let place = [0, 1, 2].map(|x| center[x] + radius * vertex[x] / length);
-        let found = vertices.iter().position(|other| (0..3).all(|x| (other[x] - place[x]).abs() < 1e-9));
-        found.unwrap_or_else(|| {
+        let known = vertices.iter().position(|other| (0..3).all(|x| (other[x] - place[x]).abs() < 1e-9));
+        known.unwrap_or_else(|| {
             vertices.push(place);
             vertices.len() - 1
         }) as u32
@@ -199,15 +199,15 @@ fn a_mesh_of_a_sphere_is_the_sphere() {
         // the same volume.
         let mesh = solved(&array, medium, vec![ball(CENTER, RADIUS * 1.008, 3, kind)]);
         let points = points();
-        let [found, expected] = [mesh, exact].map(|model| model.propagation(&points[..4]).expect("points"));
+        let [value, expected] = [mesh, exact].map(|model| model.propagation(&points[..4]).expect("points"));
         let entries = |g: &crate::propagation::Propagation| -> Vec<Complex64> {
             (0..4).flat_map(|j| (0..6).map(move |i| (j, i))).map(|(j, i)| g.exact(j, i)).collect()
         };
-        let [found, expected] = [entries(&found), entries(&expected)];
+        let [value, expected] = [entries(&value), entries(&expected)];
         let largest = expected.iter().map(|g| g.norm()).fold(0.0, f64::max);
-        let off = found.iter().zip(&expected).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) / largest;
+        let off = value.iter().zip(&expected).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) / largest;
         for j in 0..4 {
-            let off = (0..6).map(|i| (found[j * 6 + i] - expected[j * 6 + i]).norm()).fold(0.0, f64::max) / largest;
+            let off = (0..6).map(|i| (value[j * 6 + i] - expected[j * 6 + i]).norm()).fold(0.0, f64::max) / largest;
             println!("{kind:?} {frequency} {j} {off}");
         }
         assert!(off < 0.09, "{kind:?} at {frequency} Hz: {off}");
@@ -224,17 +224,17 @@ fn a_mesh_before_a_wall_is_two_meshes() {
         array.positions().iter().copied().chain(array.positions().iter().map(|p| mirror(*p))).collect();
     let both = Array::new(places, None).expect("an array");
     // The mesh is so small that no face is halved: mirrored faces would be halved differently.
-    let own = ball(CENTER, 0.004, 2, Surface::Rigid);
-    let Obstacle::Mesh(mesh) = &own else { unreachable!() };
+    let small = ball(CENTER, 0.004, 2, Surface::Rigid);
+    let Obstacle::Mesh(mesh) = &small else { unreachable!() };
     let turned = mesh.faces().iter().map(|face| [face[0], face[2], face[1]]).collect();
     let other =
         Mesh::new(mesh.vertices().iter().map(|v| mirror(*v)).collect(), turned, Surface::Rigid).expect("a mesh");
-    let pair = solved(&both, Medium::default(), vec![own.clone(), Obstacle::Mesh(Arc::new(other))]);
+    let pair = solved(&both, Medium::default(), vec![small.clone(), Obstacle::Mesh(Arc::new(other))]);
     let points = [[0.03, 0.0, 0.07], [-0.01, 0.01, 0.09]];
     let pair = pair.propagation(&points).expect("points");
     for (kind, sign) in [(Surface::Rigid, 1.0), (Surface::Soft, -1.0)] {
         let wall = Obstacle::Wall { point: [at, 0.0, 0.0], normal: [-1.0, 0.0, 0.0], kind };
-        let before = solved(&array, Medium::default(), vec![wall, own.clone()]).propagation(&points).expect("points");
+        let before = solved(&array, Medium::default(), vec![wall, small.clone()]).propagation(&points).expect("points");
         for j in 0..2 {
             for i in 0..4 {
                 let expected = pair.exact(j, i) + sign * pair.exact(j, i + 4);
@@ -259,8 +259,8 @@ fn a_mesh_without_its_sound_is_refused_where_it_matters() {
     let error = field(&unsolved, &[Complex32::ONE; 4], &[[0.0, 0.0, 0.1]], &mut Control::none()).expect_err("no sound");
     assert!(error.to_string().starts_with(reported), "{error}");
     let boundary = Arc::new(Boundary::new(&array, Medium::default(), vec![ball]).expect("a boundary"));
-    let own = model(&array, Medium::default());
-    let short = own.clone().with_sound(Arc::clone(&boundary), &[Complex32::ONE]).expect_err("too few").to_string();
+    let bare = model(&array, Medium::default());
+    let short = bare.clone().with_sound(Arc::clone(&boundary), &[Complex32::ONE]).expect_err("too few").to_string();
     assert!(short.starts_with("sound is 1 numbers: give "), "{short}");
     let other = model(&array, Medium { frequency: 39e3, ..Medium::default() });
     let error = other.with_sound(boundary, &[]).expect_err("another medium").to_string();
@@ -286,12 +286,9 @@ fn eight_elements_at_once_send_what_each_of_them_does() {
             let mut row = Vec::new();
             boundary.row(point, &mut row);
             assert_eq!(row.len(), boundary.elements());
-            for (found, element) in row.iter().zip(&boundary.elements) {
-                let wanted = influence(wave, (Vec3(point), None), element);
-                assert!(
-                    (found - wanted).norm() < 1e-7 * wanted.norm().max(1e-4),
-                    "{kind:?} {point:?} {found} {wanted}"
-                );
+            for (entry, element) in row.iter().zip(&boundary.elements) {
+                let exact = influence(wave, (Vec3(point), None), element);
+                assert!((entry - exact).norm() < 1e-7 * exact.norm().max(1e-4), "{kind:?} {point:?} {entry} {exact}");
             }
             let panels = Element::panels(&boundary.elements, wave.re);
             let all = InstructionSet::all().map(|set| {

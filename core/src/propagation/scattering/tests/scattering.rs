@@ -50,11 +50,12 @@ fn a_wall_adds_its_image() {
         // Sound is on the array's side of the wall, whatever the sign and the length of the normal.
         for normal in [[1.0, 0.0, 0.0], [-3e-5, 0.0, 0.0]] {
             let behind = model(&array, &[wall([0.06, 7.0, 7.0], normal, kind)]);
-            let [own, bare] = [&behind, &model(&array, &[])].map(|model| model.propagation(&points).expect("points"));
+            let [walled, bare] =
+                [&behind, &model(&array, &[])].map(|model| model.propagation(&points).expect("points"));
             for (j, &point) in points.iter().enumerate() {
                 for i in 0..array.len() {
                     let expected = bare.exact(j, i) + sign * mirrored(&array, i, 0.06, point);
-                    assert!((own.exact(j, i) - expected).norm() < 1e-9, "{j} {i} {kind:?}");
+                    assert!((walled.exact(j, i) - expected).norm() < 1e-9, "{j} {i} {kind:?}");
                 }
             }
         }
@@ -115,9 +116,9 @@ fn fields_and_pressures_are_those_of_the_images() {
     let model = model(&array, &[wall([0.06, 0.0, 0.0], [1.0, 0.0, 0.0], Surface::Soft)]);
     let drive: Vec<_> = (0..array.len()).map(|i| Complex32::from_polar(1.0, i as f32)).collect();
     let points: Vec<_> = (0..300).map(|j| [0.1 - 1e-3 * f64::from(j), 0.01, 0.1 + 2e-4 * f64::from(j)]).collect();
-    let found = field(&model, &drive, &points, &mut Control::none()).expect("a field");
-    let largest = found.iter().map(|p| p.norm()).fold(0.0, f32::max);
-    for (p, point) in found.iter().zip(&points) {
+    let pressures = field(&model, &drive, &points, &mut Control::none()).expect("a field");
+    let largest = pressures.iter().map(|p| p.norm()).fold(0.0, f32::max);
+    for (p, point) in pressures.iter().zip(&points) {
         if point[0] > 0.06 + 1e-9 {
             assert_eq!(*p, Complex32::ZERO);
             continue;

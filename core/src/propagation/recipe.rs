@@ -1,4 +1,4 @@
-//! Kept: a stored propagation matrix G, for cases that no kernel computes: obstacles, a signature, channels as columns.
+//! Recipe: the parts of a stored propagation matrix G, where no kernel computes it: obstacles, a signature, channels.
 
 use alloc::format;
 use alloc::sync::Arc;
@@ -10,7 +10,6 @@ use num_complex::Complex64;
 use crate::control::Control;
 use crate::device::channels::Channels;
 use crate::error::Error;
-use crate::kernels::InstructionSet;
 use crate::propagation::forces::stiffness::Stiffness;
 use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
@@ -26,21 +25,25 @@ pub(crate) type Matrix = Result<Arc<[Complex64]>, Error>;
 
 /// The points and the entries of an earlier propagation matrix G that differs only in the points. Columns of points
 /// that have not moved are copied from it. Both lists are empty if there is no earlier matrix.
-pub(crate) type Known<'a> = (&'a [[f64; 3]], &'a [Complex64]);
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Known<'a> {
+    pub(crate) points: &'a [[f64; 3]],
+    pub(crate) entries: &'a [Complex64],
+}
 
-/// The functions that compute the results of a [`Kept`], as function pointers. A program without obstacles and
+/// The functions that compute the results of a [`Recipe`], as function pointers. A program without obstacles and
 /// signatures is then not linked with them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Make {
-    /// Computes the propagation matrix G, by [`Kept::matrix`].
-    pub(crate) matrix: fn(&Kept, Known<'_>) -> Matrix,
-    /// Computes the stiffness of traps, by [`Kept::stiffness`].
-    pub(crate) stiffness: fn(&Kept, Bead, &mut Control) -> Result<Option<Stiffness>, Error>,
+    /// Computes the propagation matrix G, by [`Recipe::matrix`].
+    pub(crate) matrix: fn(&Recipe, Known<'_>) -> Matrix,
+    /// Computes the stiffness of traps, by [`Recipe::stiffness`].
+    pub(crate) stiffness: fn(&Recipe, Bead, &mut Control) -> Result<Option<Stiffness>, Error>,
 }
 
 /// The parameters of a stored propagation matrix G.
 #[derive(Clone, Debug)]
-pub(crate) struct Kept {
+pub(crate) struct Recipe {
     pub(crate) sources: Arc<Sources>,
     pub(crate) points: Arc<[[f64; 3]]>,
     pub(crate) scattering: Option<Arc<Scattering>>,
@@ -50,10 +53,10 @@ pub(crate) struct Kept {
     pub(crate) make: Make,
 }
 
-impl PartialEq for Kept {
+impl PartialEq for Recipe {
     fn eq(&self, other: &Self) -> bool {
         let same = self.sources.array == other.sources.array && self.sources.medium == other.sources.medium;
-        let obstacles = [self, other].map(|kept| kept.scattering.as_ref().map(|scattering| &scattering.obstacles));
+        let obstacles = [self, other].map(|recipe| recipe.scattering.as_ref().map(|scattering| &scattering.obstacles));
         same && self.points == other.points
             && obstacles[0] == obstacles[1]
             && self.signature == other.signature
@@ -61,7 +64,7 @@ impl PartialEq for Kept {
     }
 }
 
-impl Kept {
+impl Recipe {
     pub(crate) const MAKE: Make = Make { matrix: Self::matrix, stiffness: Self::stiffness };
 
     /// The functions for channels alone, without obstacles and signature.
@@ -79,7 +82,7 @@ impl Kept {
             (None, Some(_)) => (1, "a signature"),
             (None, None) => (1, "channels"),
         };
-        self.columns((waves, why), known, |chosen, points, rows| {
+        self.columns(waves, why, known, |chosen, points, rows| {
             if let Some(scattering) = &self.scattering {
                 scattering.check()?;
                 let check = |(&j, &point): (&usize, &[f64; 3])| {
@@ -103,7 +106,7 @@ impl Kept {
     }
 
     fn bare(&self, known: Known<'_>) -> Matrix {
-        self.columns((1, "channels"), known, |_, points, rows| {
+        self.columns(1, "channels", known, |_, points, rows| {
             for (row, &point) in rows.iter_mut().zip(points) {
                 row.iter_mut().enumerate().for_each(|(i, g)| *g = self.sources.exact(i, point));
             }
@@ -116,7 +119,8 @@ impl Kept {
     /// of zeros for each, to which it adds the waves.
     fn columns(
         &self,
-        (waves, why): (usize, &str),
+        waves: usize,
+        why: &str,
         known: Known<'_>,
         add: impl Fn(&[usize], &[[f64; 3]], &mut [Vec<Complex64>]) -> Result<(), Error>,
     ) -> Matrix {
@@ -127,13 +131,13 @@ impl Kept {
             return Err(Error::shape("points", format!("{count} of them"), cure));
         }
         let columns = self.channels.as_ref().map_or(transducers, Channels::count);
-        let (places, old) = known;
-        let stays = |j: usize| places.len() == count && places[j] == self.points[j];
+        let alike = known.points.len() == count;
+        let stays = |j: usize| alike && known.points[j] == self.points[j];
         let chosen: Vec<usize> = (0..count).filter(|&j| !stays(j)).collect();
         let points: Vec<[f64; 3]> = chosen.iter().map(|&j| self.points[j]).collect();
         let mut rows = vec![vec![Complex64::ZERO; transducers]; chosen.len()];
         add(&chosen, &points, &mut rows)?;
-        let mut matrix = if places.len() == count { old.to_vec() } else { vec![Complex64::ZERO; columns * count] };
+        let mut matrix = if alike { known.entries.to_vec() } else { vec![Complex64::ZERO; columns * count] };
         for (&j, mut row) in chosen.iter().zip(rows) {
             if let Some(channels) = &self.channels {
                 row = channels.sums(&row);
@@ -149,18 +153,10 @@ impl Kept {
     /// # Errors
     /// More memory than allowed, a stop by the caller.
     fn stiffness(&self, bead: Bead, control: &mut Control) -> Result<Option<Stiffness>, Error> {
-        // The best instruction set can be used, because all sets give the same bits.
-        let set = InstructionSet::best();
         let trap = |j: &usize| self.signature.as_ref().is_some_and(|signature| signature.is_trap(*j));
         let (traps, foci): (Vec<usize>, _) = (0..self.points.len()).partition(trap);
-        Stiffness::of(
-            (set, bead),
-            &self.sources,
-            self.scattering.as_deref(),
-            self.channels.as_ref(),
-            (&self.points, [traps, foci]),
-            control,
-        )
+        let (scattering, channels) = (self.scattering.as_deref(), self.channels.as_ref());
+        Stiffness::of(bead, &self.sources, scattering, channels, &self.points, [traps, foci], control)
     }
 
     /// Returns the parameters for some of the points, by their indices.
