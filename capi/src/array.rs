@@ -106,11 +106,11 @@ pub unsafe extern "C" fn midair_array_positions(
     outcome(Message { text: message, size: message_size }, || {
         let array = &handle("array", array)?.0;
         let lists = [("positions", positions, array.positions()), ("normals", normals, array.normals())];
-        let wanted = || lists.iter().filter(|(_, start, _)| !start.is_null());
-        for &(item, start, values) in wanted() {
+        let requested = || lists.iter().filter(|(_, start, _)| !start.is_null());
+        for &(item, start, values) in requested() {
             room(item, start.cast::<[f64; 3]>(), count, values.len())?;
         }
-        for &(_, start, values) in wanted() {
+        for &(_, start, values) in requested() {
             // SAFETY: `room` was checked, and the caller guarantees the buffer.
             unsafe { write(start.cast(), values) };
         }

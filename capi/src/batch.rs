@@ -77,17 +77,17 @@ pub unsafe extern "C" fn midair_session_solve_batch(
         // SAFETY: the caller guarantees the lists.
         let all = unsafe { Lists::read(points, pressures, weights, entries(problems, count)?) }?;
         let request = |k: usize, ask: &mut SolveRequest| {
-            let own = k * count..(k + 1) * count;
-            let [pressures, weights] = [all.pressures, all.weights].map(|list| list.map(|list| &list[own.clone()]));
-            ask.write(&all.points[own], [pressures, None, weights]);
+            let range = k * count..(k + 1) * count;
+            let [pressures, weights] = [all.pressures, all.weights].map(|list| list.map(|list| &list[range.clone()]));
+            ask.write(&all.points[range], [pressures, None, weights]);
             ask.aim = aim;
             Ok(())
         };
-        let mut found = vec![Complex32::ZERO; rows];
+        let mut output = vec![Complex32::ZERO; rows];
         let threads = at_most(threads);
         let mut solve = || {
             let control = &mut Control::none().on(Threads::default().at_most(threads));
-            session.solve_batch(problems, count, &request, &mut found, control)
+            session.solve_batch(problems, count, &request, &mut output, control)
         };
         let batch = if threads == 1 { solve() } else { aside(solve)? }?;
         let answer = |k: usize| Answer {
@@ -98,7 +98,7 @@ pub unsafe extern "C" fn midair_session_solve_batch(
         };
         // SAFETY: `outputs` checked the space; both complex types are two consecutive f32.
         unsafe {
-            write(drives.cast(), &found);
+            write(drives.cast(), &output);
             if !answers.is_null() {
                 write(answers, &(0..problems).map(answer).collect::<Vec<_>>());
             }
@@ -171,8 +171,8 @@ fn solve_scene(k: usize, text: &str, folder: Option<&Path>, row: usize) -> Resul
     let place = format!("scenes[{k}]");
     let (mut state, said) = State::of_scene(text, Source { name: &place, folder })?;
     if state.session.transducers() > row {
-        let found = format!("{} transducers", state.session.transducers());
-        return Err(Error::invalid(place, found, format!("a row of drives has room for {row}")));
+        let value = format!("{} transducers", state.session.transducers());
+        return Err(Error::invalid(place, value, format!("a row of drives has room for {row}")));
     }
     let solution = state.solve_own().map_err(|error| error.inside(place.as_str()))?;
     let (mut drive, answer) = (solution.drive.clone(), solution.into());

@@ -110,15 +110,15 @@ pub unsafe extern "C" fn midair_session_follow(
         // SAFETY: the caller guarantees the session.
         let mut state = unsafe { Session::behind(session) }?.state()?;
         let range = range(state.motion()?, first, frames)?;
-        let own = state.session.transducers();
-        room("drives", drives, frames.saturating_mul(transducers), frames.saturating_mul(own))?;
-        let mut found = vec![Complex32::ZERO; frames * own];
+        let count = state.session.transducers();
+        room("drives", drives, frames.saturating_mul(transducers), frames.saturating_mul(count))?;
+        let mut output = vec![Complex32::ZERO; frames * count];
         let State { session, moving, .. } = &mut *state;
         if let Some(moving) = moving {
-            session.follow_moving(moving, range, &mut found, &mut Control::none())?;
+            session.follow_moving(moving, range, &mut output, &mut Control::none())?;
         }
         // SAFETY: `room` was checked, and the caller guarantees the buffer; both complex types are two consecutive f32.
-        unsafe { write(drives.cast(), &found) };
+        unsafe { write(drives.cast(), &output) };
         Ok(if message.is_wanted() { state.remarks() } else { String::new() })
     })
 }

@@ -10,7 +10,7 @@ use crate::instruction_set::instruction_set;
 
 /// A value that a C program passes.
 #[derive(Clone, Copy)]
-pub(crate) enum Given<'a> {
+pub(crate) enum Input<'a> {
     Text(&'a str),
     Number(f64),
     Numbers(&'a [f64]),
@@ -23,7 +23,7 @@ pub(crate) struct Setting {
     /// `before` is the medium of the scene from which the session was made, if any. `given` has the keys set since then.
     /// `medium` is the result of both.
     before: Option<Medium>,
-    given: Vec<(&'static str, f64)>,
+    keys: Vec<(&'static str, f64)>,
     medium: Medium,
     extras: Extras,
     choice: Choice,
@@ -33,8 +33,8 @@ impl Setting {
     /// Returns the settings for an array with its default medium, and a method by its name.
     pub(crate) fn new(array: Array, method: &str) -> Result<Self, Error> {
         let choice = Choice::new(find(method)?.info.name.into(), Options::new())?;
-        let (medium, given) = (array.medium(&[])?, Vec::new());
-        Ok(Self { array, before: None, given, medium, extras: Extras::default(), choice })
+        let (medium, keys) = (array.medium(&[])?, Vec::new());
+        Ok(Self { array, before: None, keys, medium, extras: Extras::default(), choice })
     }
 
     /// Returns the settings of a scene: its array, medium, obstacles and method.
@@ -43,7 +43,7 @@ impl Setting {
         Ok(Self {
             array: scene.array().clone(),
             before: Some(scene.medium()),
-            given: Vec::new(),
+            keys: Vec::new(),
             medium: scene.medium(),
             extras: scene.extras(),
             choice: scene.solver.clone().map_or_else(default, Ok)?,
@@ -76,8 +76,8 @@ impl Setting {
     }
 
     /// Sets an option, or replaces its earlier value.
-    pub(crate) fn set(&mut self, name: &str, given: Given<'_>) -> Result<(), Error> {
-        let value = |item: &str| given.number(item);
+    pub(crate) fn set(&mut self, name: &str, input: Input<'_>) -> Result<(), Error> {
+        let value = |item: &str| input.number(item);
         if let Some(law) = name.strip_prefix("directivity.") {
             let law = Directivity::named(law, Some(value(&format!("directivity.{law}"))?))?;
             let transducer = Transducer { directivity: law, ..self.array.transducer() };
@@ -88,10 +88,10 @@ impl Setting {
             return self.breathe(key.name, value(&format!("medium.{}", key.name))?);
         }
         if let Some(key) = name.strip_prefix("bead.") {
-            return self.weigh(key, given);
+            return self.weigh(key, input);
         }
-        let Some(part) = Array::part(name) else { return self.choose(name, given) };
-        let value = given.part(&format!("array.{}", part.name), part.kind())?;
+        let Some(part) = Array::part(name) else { return self.choose(name, input) };
+        let value = input.part(&format!("array.{}", part.name), part.kind())?;
         self.array = part.put(self.array.clone(), value)?;
         Ok(())
     }
@@ -99,30 +99,30 @@ impl Setting {
     /// Sets a key of the medium. Sound speed and temperature replace each other; the last one counts.
     fn breathe(&mut self, key: &'static str, value: f64) -> Result<(), Error> {
         let instead = |other: &str| [[key, other], [other, key]].contains(&["sound_speed", "temperature"]);
-        let mut given = self.given.clone();
-        given.retain(|(other, _)| *other != key && !instead(other));
-        given.push((key, value));
-        self.medium = self.before.map_or_else(|| self.array.medium(&given), |scene| scene.with(&given))?;
-        self.given = given;
+        let mut keys = self.keys.clone();
+        keys.retain(|(other, _)| *other != key && !instead(other));
+        keys.push((key, value));
+        self.medium = self.before.map_or_else(|| self.array.medium(&keys), |scene| scene.with(&keys))?;
+        self.keys = keys;
         Ok(())
     }
 
     /// Sets a key of the bead.
-    fn weigh(&mut self, key: &str, given: Given<'_>) -> Result<(), Error> {
+    fn weigh(&mut self, key: &str, input: Input<'_>) -> Result<(), Error> {
         let (item, bead) = (format!("bead.{key}"), self.extras.bead);
         self.extras.bead = if key == "gravity" {
-            let list = given.numbers(&item)?;
+            let list = input.numbers(&item)?;
             let wrong = |_| Error::invalid(&*item, format!("{} numbers", list.len()), "give x, y and z in m/s^2");
             bead.with(&[], Some(list.try_into().map_err(wrong)?))?
         } else {
-            bead.with(&[(key, given.number(&item)?)], None)?
+            bead.with(&[(key, input.number(&item)?)], None)?
         };
         Ok(())
     }
 
     /// Sets an option of the method.
-    fn choose(&mut self, name: &str, given: Given<'_>) -> Result<(), Error> {
-        let value = given.value(name)?;
+    fn choose(&mut self, name: &str, input: Input<'_>) -> Result<(), Error> {
+        let value = input.value(name)?;
         let one = Choice::new(self.choice.name.clone(), [(name.into(), value)].into())?;
         self.choice.options.extend(find(&one.name)?.spelled(&one.options)?);
         self.choice.balance = one.balance.or(self.choice.balance);
@@ -139,8 +139,8 @@ fn with_own_names(mut error: Error) -> Error {
     let with_parameter = Directivity::all().filter(|directivity| directivity.parameter().is_some());
     let laws: Vec<String> = with_parameter.map(|directivity| format!("directivity.{}", directivity.name().0)).collect();
     let beads: Vec<String> = Bead::KEYS.iter().map(|key| format!("bead.{}", key.name)).collect();
-    let own = Medium::KEYS.iter().map(|key| key.name).chain(Array::PARTS.iter().map(|part| part.name));
-    let names: Vec<&str> = own.chain(laws.iter().chain(&beads).map(String::as_str)).chain(["balance", "aim"]).collect();
+    let all = Medium::KEYS.iter().map(|key| key.name).chain(Array::PARTS.iter().map(|part| part.name));
+    let names: Vec<&str> = all.chain(laws.iter().chain(&beads).map(String::as_str)).chain(["balance", "aim"]).collect();
     if error.hint.is_empty() {
         let hinted = Error::unknown("", &*error.value, names.iter().copied());
         error.hint.clone_from(&hinted.hint);
@@ -154,7 +154,7 @@ fn whole(number: f64) -> Option<i64> {
     (number.fract() == 0.0 && number.abs() <= 9_007_199_254_740_992.0).then_some(number as i64)
 }
 
-impl Given<'_> {
+impl Input<'_> {
     /// Returns the value as an option of a method.
     fn value(self, item: &str) -> Result<Value, Error> {
         Ok(match self {
@@ -177,8 +177,8 @@ impl Given<'_> {
             PartKind::Quantization => {
                 let board = self.text(item)?;
                 let none = word(item, &Value::Text(board.into()), &[("none", ())]).is_ok();
-                let own = if none { Quantization::new(None, None) } else { Board::new(board, 1)?.quantization() };
-                PartValue::Quantization(own?)
+                let steps = if none { Quantization::new(None, None) } else { Board::new(board, 1)?.quantization() };
+                PartValue::Quantization(steps?)
             }
         })
     }

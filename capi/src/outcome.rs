@@ -42,12 +42,12 @@ impl Message {
         }
         let most = text.len().min(self.size - 1);
         let end = (0..=most).rev().find(|&end| text.is_char_boundary(end)).unwrap_or(0);
-        let kept = &text[..end];
-        // SAFETY: the buffer is not NULL, and the caller guarantees that it has `size` bytes. `kept` is at most one byte
+        let part = &text[..end];
+        // SAFETY: the buffer is not NULL, and the caller guarantees that it has `size` bytes. `part` is at most one byte
         // shorter. Our text does not overlap with a buffer of the caller.
         unsafe {
-            self.text.cast::<u8>().copy_from_nonoverlapping(kept.as_ptr(), kept.len());
-            self.text.add(kept.len()).write(0);
+            self.text.cast::<u8>().copy_from_nonoverlapping(part.as_ptr(), part.len());
+            self.text.add(part.len()).write(0);
         }
     }
 }
@@ -135,9 +135,9 @@ mod tests {
     fn a_message_is_cut_after_a_whole_character() {
         let refused = || Err(Error::invalid("ä", "ö", "ü"));
         assert_eq!(reported(80, refused), (Outcome::Invalid, "ä is ö: ü".to_string()));
-        for (size, kept) in [(13, "ä is ö: ü"), (12, "ä is ö: "), (9, "ä is ö"), (8, "ä is "), (2, ""), (1, "")]
+        for (size, part) in [(13, "ä is ö: ü"), (12, "ä is ö: "), (9, "ä is ö"), (8, "ä is "), (2, ""), (1, "")]
         {
-            assert_eq!(reported(size, refused).1, kept, "{size} bytes");
+            assert_eq!(reported(size, refused).1, part, "{size} bytes");
         }
         let nowhere = Message { text: std::ptr::null_mut(), size: 80 };
         assert_eq!(outcome(nowhere, || Ok("")), Outcome::Ok);

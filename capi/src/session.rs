@@ -11,7 +11,7 @@ use crate::answer::{Answer, Metrics};
 use crate::array::Array;
 use crate::instruction_set::instruction_set;
 use crate::memory::{Complex, Lists, drive as read_drive, give, handle, list, room, text, vectors, write};
-use crate::option::{Given, Setting};
+use crate::option::{Input, Setting};
 use crate::outcome::{Message, Outcome, outcome};
 
 /// An array, a method with its options, and the memory of their solves. One thread at a time may use a session;
@@ -27,7 +27,7 @@ pub(crate) struct State {
     pub(crate) session: midair::Session,
     pub(crate) ask: SolveRequest,
     /// The request of the scene from which the session was made.
-    own: Option<SolveRequest>,
+    scene_request: Option<SolveRequest>,
     /// The frames of the motion from which it was made.
     pub(crate) moving: Option<Moving>,
 }
@@ -40,28 +40,25 @@ impl State {
         let news: Vec<&str> = doubts.iter().filter(|doubt| !reported.contains(doubt)).map(String::as_str).collect();
         let news = news.join("\n");
         let ask = SolveRequest { aim: setting.aim(), ..SolveRequest::default() };
-        Ok((Self { setting, doubts, model, session, ask, own: None, moving: None }, news))
+        Ok((Self { setting, doubts, model, session, ask, scene_request: None, moving: None }, news))
     }
 
     /// Makes a session from the text of a scene. Also returns warnings about probable mistakes.
     pub(crate) fn of_scene(text: &str, source: Source<'_>) -> Result<(Self, String), Error> {
         let (scene, moving) = open(text.as_bytes(), Format::of_text(text.as_bytes()), source, instruction_set()?)?;
         let (state, said) = Self::open(Setting::of_scene(&scene)?, &[])?;
-        let own = moving.is_none().then(|| SolveRequest::of_scene(&scene));
-        Ok((Self { own, moving, ..state }, said))
+        let scene_request = moving.is_none().then(|| SolveRequest::of_scene(&scene));
+        Ok((Self { scene_request, moving, ..state }, said))
     }
 
     /// Solves the request of the scene from which the session was made.
     pub(crate) fn solve_own(&mut self) -> Result<&midair::Solution, Error> {
-        if let Some(own) = &self.own {
-            let Request { pressures, phases, weights } = &own.request;
-            self.ask.write(&own.points, [pressures, phases, weights].map(Option::as_deref));
+        if let Some(scene) = &self.scene_request {
+            let Request { pressures, phases, weights } = &scene.request;
+            self.ask.write(&scene.points, [pressures, phases, weights].map(Option::as_deref));
         } else if self.moving.is_some() {
-            return Err(Error::invalid(
-                "points",
-                "left out",
-                "the scene has [motion]: solve its frames by midair_session_follow()",
-            ));
+            let cure = "the scene has [motion]: solve its frames by midair_session_follow()";
+            return Err(Error::invalid("points", "left out", cure));
         }
         self.session.solve(&self.ask, &mut Control::none())
     }
@@ -102,12 +99,12 @@ impl Session {
     }
 
     /// Sets an option. The session then starts anew, with no memory of earlier requests.
-    fn set(&self, name: &str, given: Given<'_>) -> Result<String, Error> {
+    fn set(&self, name: &str, input: Input<'_>) -> Result<String, Error> {
         let mut state = self.state()?;
         let mut setting = state.setting.clone();
-        setting.set(name, given)?;
+        setting.set(name, input)?;
         let (next, news) = State::open(setting, &state.doubts)?;
-        *state = State { own: state.own.take(), moving: state.moving.take(), ..next };
+        *state = State { scene_request: state.scene_request.take(), moving: state.moving.take(), ..next };
         Ok(news)
     }
 }
@@ -188,7 +185,7 @@ pub unsafe extern "C" fn midair_session_set_number(
     outcome(Message { text: message, size: message_size }, || {
         // SAFETY: the caller guarantees session and name.
         let (session, name) = unsafe { (Session::behind(session)?, text("name", name)?) };
-        session.set(name, Given::Number(value))
+        session.set(name, Input::Number(value))
     })
 }
 
@@ -205,7 +202,7 @@ pub unsafe extern "C" fn midair_session_set_text(
     outcome(Message { text: message, size: message_size }, || {
         // SAFETY: the caller guarantees session, name and value.
         let (session, name, value) = unsafe { (Session::behind(session)?, text("name", name)?, text("value", value)?) };
-        session.set(name, Given::Text(value))
+        session.set(name, Input::Text(value))
     })
 }
 
@@ -224,7 +221,7 @@ pub unsafe extern "C" fn midair_session_set_numbers(
         // SAFETY: the caller guarantees session, name and values.
         let (session, name) = unsafe { (Session::behind(session)?, text("name", name)?) };
         // SAFETY: the caller guarantees values.
-        session.set(name, Given::Numbers(unsafe { list("values", values, count) }?))
+        session.set(name, Input::Numbers(unsafe { list("values", values, count) }?))
     })
 }
 
@@ -255,7 +252,7 @@ pub unsafe extern "C" fn midair_session_solve(
         }
         // SAFETY: the caller guarantees the lists.
         let lists = unsafe { Lists::read(points, pressures, weights, count) }?;
-        let solution = if lists.points.is_empty() && (state.own.is_some() || state.moving.is_some()) {
+        let solution = if lists.points.is_empty() && (state.scene_request.is_some() || state.moving.is_some()) {
             state.solve_own()?
         } else {
             let State { session, ask, .. } = &mut *state;
@@ -295,7 +292,7 @@ pub unsafe extern "C" fn midair_session_judge(
         // SAFETY: the caller guarantees the lists.
         let (drive, Lists { points, pressures, weights }) =
             unsafe { (read_drive(drive, transducers)?, Lists::read(points, pressures, weights, count)?) };
-        let list = |given: Option<&[f64]>| given.map(<[_]>::to_vec);
+        let list = |values: Option<&[f64]>| values.map(<[_]>::to_vec);
         let request = Request { pressures: list(pressures), phases: None, weights: list(weights) };
         let control = &mut Control::none();
         let judged =

@@ -12,10 +12,10 @@ use crate::error::{invalid, refused, warn_all};
 use crate::getters::getters;
 use crate::give::rows;
 use crate::numbers::quoted;
-use crate::parts::{self, Given};
+use crate::parts::{self, Values};
 use crate::pickle::{Reduced, called, pickled};
 use crate::read;
-use crate::ready::{Kept, Ready};
+use crate::ready::{Cache, Ready};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -53,34 +53,34 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 #[derive(Clone)]
 pub(crate) struct Array {
     pub(crate) inner: midair::Array,
-    kept: Kept,
+    cache: Cache,
 }
 
 impl From<midair::Array> for Array {
     fn from(inner: midair::Array) -> Self {
-        Self { inner, kept: Kept::default() }
+        Self { inner, cache: Cache::default() }
     }
 }
 
 impl From<&Arc<Ready>> for Array {
     fn from(ready: &Arc<Ready>) -> Self {
-        Self { inner: ready.model.array().clone(), kept: Kept::of(Arc::clone(ready)) }
+        Self { inner: ready.model.array().clone(), cache: Cache::of(Arc::clone(ready)) }
     }
 }
 
 impl Array {
     /// Returns the array with these parts instead of its own.
-    pub(crate) fn with_parts(self, given: Given) -> PyResult<Self> {
-        if given.is_empty() {
+    pub(crate) fn with_parts(self, values: Values) -> PyResult<Self> {
+        if values.is_empty() {
             return Ok(self);
         }
-        let array = given.into_iter().try_fold(self.inner, |array, (part, value)| part.put(array, value));
+        let array = values.into_iter().try_fold(self.inner, |array, (part, value)| part.put(array, value));
         array.map(Self::from).map_err(refused)
     }
 
     /// Returns the array prepared for a medium.
     pub(crate) fn ready(&self, medium: Medium) -> PyResult<Arc<Ready>> {
-        self.kept.get(&self.inner, medium)
+        self.cache.get(&self.inner, medium)
     }
 }
 
@@ -201,7 +201,7 @@ impl Array {
             (None, PartKind::Flags) => Some(PartValue::Flags(vec![true; self.inner.len()])),
             (value, _) => value,
         });
-        value.map(|value| parts::shown(py, value)).transpose()
+        value.map(|value| parts::object(py, value)).transpose()
     }
 
     fn __len__(&self) -> usize {
@@ -222,7 +222,7 @@ impl Array {
         };
         let keywords = PyDict::new(py);
         for (name, value) in array.stated() {
-            keywords.set_item(name, parts::shown(py, value)?)?;
+            keywords.set_item(name, parts::object(py, value)?)?;
         }
         called(call, &keywords)
     }

@@ -287,9 +287,9 @@ pub(crate) fn solve_batch(
         let size = session.given_points().unwrap_or_default();
         (Vec::new(), [read::batch_size("pressures", pressures, size)?, size])
     };
-    let given = pressures.map(|value| read::batch_of_pressures(value, [count, size])).transpose()?;
+    let targets = pressures.map(|value| read::batch_of_pressures(value, [count, size])).transpose()?;
     let weights = weights.map(|value| read::batch_of_numbers("weights", value, [count, size])).transpose()?;
-    let request = Request { weights, ..given.unwrap_or_default() };
+    let request = Request { weights, ..targets.unwrap_or_default() };
     let request = BatchRequest { source, chosen, points, request };
     let transducers = session.transducers();
     request.chosen.check_start(start.is_some())?;

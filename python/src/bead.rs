@@ -137,8 +137,8 @@ impl Scene {
     ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
         let (py, model, bead) = (drive.py(), self.model(), self.inner.bead());
         let drive = read::drive("drive", drive)?;
-        let found = attend(py, None, |mut control| poised(&model, &drive, point, bead, force, &mut control))?;
-        Ok(found.map(|place| give::list(py, place.to_vec())))
+        let place = attend(py, None, |mut control| poised(&model, &drive, point, bead, force, &mut control))?;
+        Ok(place.map(|place| give::list(py, place.to_vec())))
     }
 }
 
@@ -148,15 +148,15 @@ pub(crate) fn read_bead(value: &Bound<'_, PyAny>) -> PyResult<Core> {
         return Ok(bead.get().0);
     }
     match value.cast::<PyDict>() {
-        Ok(given) => of(given.iter().map(|(name, value)| (name.to_string(), value))),
+        Ok(entries) => of(entries.iter().map(|(name, value)| (name.to_string(), value))),
         Err(_) => Err(invalid("bead", &quoted(value), "give midair.Bead(radius=1e-3, density=29), or a dict of these")),
     }
 }
 
 /// Makes a bead from its parameters; missing ones have their defaults.
-fn of<'py>(given: impl Iterator<Item = (String, Bound<'py, PyAny>)>) -> PyResult<Core> {
+fn of<'py>(entries: impl Iterator<Item = (String, Bound<'py, PyAny>)>) -> PyResult<Core> {
     let (mut numbers, mut gravity) = (Vec::new(), None);
-    for (name, value) in given {
+    for (name, value) in entries {
         let Some(key) = Core::KEYS.iter().find(|key| key.name == name) else {
             let known = Core::KEYS.iter().map(|key| key.name);
             return Err(refused(midair::Error::unknown("key of bead", name, known)));

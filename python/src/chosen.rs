@@ -53,14 +53,14 @@ impl Chosen {
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<(Self, Configured)> {
         let named = naming.solver.map(read::name).transpose()?;
-        let given = read::options(options)?;
+        let keywords = read::options(options)?;
         // The file's options apply only if the solver is the file's. Keywords replace them.
         let named = named.as_deref().map(registry::find).transpose().map_err(refused)?.map(|entry| entry.info.name);
         let file = file.filter(|choice| named.is_none_or(|name| name == choice.name));
         let name = named.or(file.map(|choice| choice.name.as_str())).unwrap_or(registry::DEFAULT);
         let new = || Choice::new(name.into(), Options::new());
         let mut choice = file.cloned().map_or_else(new, Ok).map_err(refused)?;
-        choice.options.extend(registry::find(name).and_then(|entry| entry.spelled(&given)).map_err(refused)?);
+        choice.options.extend(registry::find(name).and_then(|entry| entry.spelled(&keywords)).map_err(refused)?);
         naming.write(&mut choice)?;
         let configured = registry::configure(&choice, board).map_err(refused)?;
         Ok(Self::of(choice, configured))
@@ -103,8 +103,8 @@ impl Chosen {
     }
 
     /// Refuses a start, if one is given, for a solver that uses none.
-    pub(crate) fn check_start(&self, given: bool) -> PyResult<()> {
-        if given && !self.info.uses_start {
+    pub(crate) fn check_start(&self, has_start: bool) -> PyResult<()> {
+        if has_start && !self.info.uses_start {
             return Err(refused(registry::unused("start", &self.choice.name, |info| info.uses_start)));
         }
         Ok(())

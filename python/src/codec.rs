@@ -148,5 +148,5 @@ getters! {
 
     /// Phases and amplitudes of the board, in the form of `Array.quantization`.
     quantization(self, py) -> PyResult<Bound<'py, PyDict>> =
-        quantization::shown(py, &self.board.quantization().map_err(refused)?);
+        quantization::object(py, &self.board.quantization().map_err(refused)?);
 }

@@ -39,7 +39,7 @@ fn drawn<T>(
     read: impl FnOnce(&mut files::Draw<'_>) -> Result<T, midair::Error>,
 ) -> PyResult<T> {
     let mut other = None;
-    let found = read(&mut |name, text| {
+    let result = read(&mut |name, text| {
         drawing(name, text).map_err(|exception| {
             let error = error_of(exception.value(py)).unwrap_or_else(|_| midair::Error::stopped());
             if !exception.is_instance_of::<SceneError>(py) {
@@ -48,7 +48,7 @@ fn drawn<T>(
             error
         })
     });
-    other.map_or_else(|| found.map_err(refused), Err)
+    other.map_or_else(|| result.map_err(refused), Err)
 }
 
 /// Returns the points of a table, the mesh of an obstacle's file, or the outline of a path.

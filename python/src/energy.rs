@@ -61,10 +61,10 @@ impl Function {
 
 impl Energy for Function {
     fn evaluate(&self, fields: &[Complex32], request: &ActiveRequest, values: &mut [f64]) -> Result<(), Error> {
-        let found = Python::attach(|py| self.call(py, fields, request, values.len()));
-        match found {
-            Ok(found) => {
-                values.copy_from_slice(&found);
+        let result = Python::attach(|py| self.call(py, fields, request, values.len()));
+        match result {
+            Ok(list) => {
+                values.copy_from_slice(&list);
                 Ok(())
             }
             Err(error) => {

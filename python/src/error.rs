@@ -77,7 +77,7 @@ pub(crate) fn coded(code: ErrorCode, item: &str, value: &str, cure: &str) -> PyE
 }
 
 /// The parts of an error that no public attribute has, in the order of the attribute that keeps them.
-const KEPT: &str = "_parts";
+const PARTS: &str = "_parts";
 
 /// Makes an exception or a warning that has the parts of a notice as attributes.
 fn raised<'py>(kind: Bound<'py, PyType>, notice: &Notice) -> PyResult<Bound<'py, PyAny>> {
@@ -88,7 +88,7 @@ fn raised<'py>(kind: Bound<'py, PyType>, notice: &Notice) -> PyResult<Bound<'py,
     exception.setattr("value", value)?;
     exception.setattr("cure", format!("{hint}{cure}"))?;
     exception.setattr("index", index)?;
-    exception.setattr(KEPT, (place, verb, hint, cure, example, other))?;
+    exception.setattr(PARTS, (place, verb, hint, cure, example, other))?;
     Ok(exception)
 }
 
@@ -106,14 +106,14 @@ pub(crate) fn add_parts(py: Python<'_>) -> PyResult<()> {
 
 /// Returns the parts of an exception, which Python code may have made of a text alone.
 pub(crate) fn error_of(exception: &Bound<'_, PyAny>) -> PyResult<midair::Error> {
-    let Ok(kept) = exception.getattr(KEPT) else {
+    let Ok(parts) = exception.getattr(PARTS) else {
         return Ok(midair::Error::invalid("", exception.str()?, ""));
     };
     let code: String = exception.getattr("code")?.extract()?;
     let code = ErrorCode::of(&code).unwrap_or(ErrorCode::Invalid);
     let mut error = midair::Error::new(code, "", "", "");
     (error.item, error.value) = (exception.getattr("item")?.extract()?, exception.getattr("value")?.extract()?);
-    (error.place, error.verb, error.hint, error.cure, error.example, error.other) = kept.extract()?;
+    (error.place, error.verb, error.hint, error.cure, error.example, error.other) = parts.extract()?;
     error.index = exception.getattr("index")?.extract()?;
     Ok(error)
 }

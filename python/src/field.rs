@@ -103,8 +103,8 @@ impl Field {
     fn shown<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<bool>>> {
         let Places::Plane(plane) = self.picture.places else { return None };
         let wavelength = self.scene.inner.medium().wavelength();
-        let shown: Vec<bool> = self.scene.inner.points().iter().map(|&point| plane.shows(point, wavelength)).collect();
-        Some(give::list(py, shown))
+        let flags: Vec<bool> = self.scene.inner.points().iter().map(|&point| plane.shows(point, wavelength)).collect();
+        Some(give::list(py, flags))
     }
 
     /// Field in each plane that is necessary to show the scene's points, at most four, and its bodies.

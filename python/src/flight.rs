@@ -135,8 +135,8 @@ impl Course {
     /// Returns the places (B, 3) in m at which beads move with some points (B,) from the start on.
     fn resting<'py>(&self, scene: &Bound<'py, Scene>, points: Vec<usize>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let (py, model, bead) = (scene.py(), scene.get().model(), scene.get().inner.bead());
-        let found = attend(py, None, |mut control| self.inner().resting(&model, bead, &points, &mut control))?;
-        give::rows(py, &found)
+        let places = attend(py, None, |mut control| self.inner().resting(&model, bead, &points, &mut control))?;
+        give::rows(py, &places)
     }
 
     /// Simulates beads that start at places (B, 3) with velocities (B, 3), each in the trap of its point (B,).

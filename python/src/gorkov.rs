@@ -112,8 +112,8 @@ impl Rest {
     /// Natural frequencies (P, 3) in Hz, sqrt(stiffness/mass)/(2 pi), the lowest first.
     #[getter]
     fn frequencies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let own = |k: f64| (k / self.mass).sqrt() / std::f64::consts::TAU;
-        rows(py, &self.stiffness.iter().map(|stiffness| stiffness.map(own)).collect::<Vec<_>>())
+        let frequency = |k: f64| (k / self.mass).sqrt() / std::f64::consts::TAU;
+        rows(py, &self.stiffness.iter().map(|stiffness| stiffness.map(frequency)).collect::<Vec<_>>())
     }
 
     /// The largest acceleration (P, 3, 2) in m/s^2 with which a bead is pulled back: restoring/mass.

@@ -23,7 +23,7 @@ fn subject<'py>(
     drive: Argument<'py>,
     points: Argument<'py>,
 ) -> PyResult<(Model, Vec<Complex64>, Vec<[f64; 3]>)> {
-    let (model, drive, own, points) = if let Ok(array) = scene.cast::<Array>() {
+    let (model, drive, origin, points) = if let Ok(array) = scene.cast::<Array>() {
         let array = array.get();
         let drive = drive.ok_or_else(|| invalid("drive", "None", "give one (N,)"))?;
         let model = array.ready(array.inner.medium(&[]).map_err(refused)?)?.model.clone();
@@ -39,7 +39,7 @@ fn subject<'py>(
         }
         Err(_) => read::complexes("drive", &drive)?,
     };
-    let points = match (points, own) {
+    let points = match (points, origin) {
         (Some(points), _) => read::vectors("points", &points)?,
         (None, Some(scene)) => scene.get().inner.points().to_vec(),
         (None, None) => return Err(invalid("points", "None", "give them beside an Array: (M, 3) in m")),

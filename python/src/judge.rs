@@ -187,38 +187,35 @@ fn judge_many(
     let drives = Drives::read(drives, session.transducers())?;
     let count = drives.count;
     // Without `points`, all drives are evaluated at the scene's own points and request.
-    let own = scene.cast::<Scene>().ok().filter(|_| points.is_none()).map(|scene| &*scene.get().inner);
-    let (points, size) = match (own, points_of(&session, points, "(B, M, 3)")) {
-        (Some(own), _) => (Vec::new(), own.points().len()),
-        (None, given) => match given? {
+    let base = scene.cast::<Scene>().ok().filter(|_| points.is_none()).map(|scene| &*scene.get().inner);
+    let (points, size) = match (base, points_of(&session, points, "(B, M, 3)")) {
+        (Some(base), _) => (Vec::new(), base.points().len()),
+        (None, list) => match list? {
             None => (Vec::new(), session.given_points().unwrap_or_default()),
             Some(points) => match read::batch_of_points("points", points)? {
                 (points, [rows, size]) if rows == count => (points, size),
                 (_, [rows, _]) => {
-                    return Err(invalid(
-                        "points",
-                        &format!("for {rows} drives"),
-                        &format!("give {count}, one row a drive"),
-                    ));
+                    let cure = format!("give {count}, one row a drive");
+                    return Err(invalid("points", &format!("for {rows} drives"), &cure));
                 }
             },
         },
     };
-    let given = pressures.map(|value| read::batch_of_pressures(value, [count, size])).transpose()?.unwrap_or_default();
+    let batch = pressures.map(|value| read::batch_of_pressures(value, [count, size])).transpose()?.unwrap_or_default();
     let weights = weights.map(|value| read::batch_of_numbers("weights", value, [count, size])).transpose()?;
-    let request = own.map(midair::Scene::request);
-    let requested = request.filter(|_| given.pressures.is_none());
+    let request = base.map(midair::Scene::request);
+    let requested = request.filter(|_| batch.pressures.is_none());
     let requested = [
-        (&given.pressures, requested.and_then(|own| own.pressures.as_deref())),
-        (&given.phases, requested.and_then(|own| own.phases.as_deref())),
-        (&weights, request.and_then(|own| own.weights.as_deref())),
+        (&batch.pressures, requested.and_then(|r| r.pressures.as_deref())),
+        (&batch.phases, requested.and_then(|r| r.phases.as_deref())),
+        (&weights, request.and_then(|r| r.weights.as_deref())),
     ];
     read::callback(progress.as_ref().map(|callback| callback.bind(py)), "done, problems, residual")?;
     let write = |k: usize, ask: &mut SolveRequest| -> Result<(), midair::Error> {
         let range = k * size..(k + 1) * size;
-        let lists = requested.map(|(given, own)| given.as_ref().map(|list| &list[range.clone()]).or(own));
-        let own = own.map_or(&[][..], midair::Scene::points);
-        ask.write(points.get(range.clone()).unwrap_or(own), lists);
+        let lists = requested.map(|(values, default)| values.as_ref().map(|list| &list[range.clone()]).or(default));
+        let default = base.map_or(&[][..], midair::Scene::points);
+        ask.write(points.get(range.clone()).unwrap_or(default), lists);
         Ok(())
     };
     let drives = drives.slice()?;

@@ -48,22 +48,22 @@ impl<'py> Keywords<'py> {
     }
 
     /// Returns the scene's medium, or the array's, with the changes that the keywords give.
-    pub(crate) fn medium(&self, own: Option<Medium>, array: &Array) -> PyResult<Medium> {
-        let mut given = Vec::new();
+    pub(crate) fn medium(&self, base: Option<Medium>, array: &Array) -> PyResult<Medium> {
+        let mut numbers = Vec::new();
         for key in Medium::KEYS {
             if let Some(value) = self.take(key.name)? {
-                given.push((key.name, read::real(key.name, &value)?));
+                numbers.push((key.name, read::real(key.name, &value)?));
             }
         }
-        own.map_or_else(|| array.inner.medium(&given), |own| own.with(&given)).map_err(refused)
+        base.map_or_else(|| array.inner.medium(&numbers), |base| base.with(&numbers)).map_err(refused)
     }
 
     /// Writes the optional parts that the keywords give over those of a scene. None removes a signature, and leaves a bead as it
     /// is.
     pub(crate) fn write_extras(&self, extras: &mut Extras, transducers: usize) -> PyResult<()> {
         if let Some(signature) = self.take_or_none("signature")? {
-            let given = !signature.is_none();
-            extras.signature = given.then(|| read_signature(&signature, transducers)).transpose()?;
+            let some = !signature.is_none();
+            extras.signature = some.then(|| read_signature(&signature, transducers)).transpose()?;
         }
         if let Some(bead) = self.take("bead")? {
             extras.bead = read_bead(&bead)?;
@@ -76,6 +76,6 @@ impl<'py> Keywords<'py> {
 
     /// Returns the array with the parts that the keywords give instead of its own.
     pub(crate) fn array(&self, array: Array) -> PyResult<Array> {
-        array.with_parts(parts::given(|name| self.take(name))?)
+        array.with_parts(parts::values(|name| self.take(name))?)
     }
 }

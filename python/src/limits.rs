@@ -19,9 +19,9 @@ const MEMORY: u64 = 8_000_000_000;
 pub(crate) fn threads(_py: Python<'_>) -> PyResult<Threads> {
     static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
     // Only a thread with the GIL takes this lock, so it is never locked when Python forks.
-    let mut kept = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut lock = POOL.lock().unwrap_or_else(PoisonError::into_inner);
     let process = process::id();
-    if let Some((owner, pool)) = &*kept
+    if let Some((owner, pool)) = &*lock
         && *owner == process
     {
         return Ok(Threads::of(Arc::clone(pool)));
@@ -29,13 +29,13 @@ pub(crate) fn threads(_py: Python<'_>) -> PyResult<Threads> {
     let built = ThreadPoolBuilder::new().build();
     let pool = Arc::new(built.map_err(|error| PyRuntimeError::new_err(format!("no threads to work with: {error}")))?);
     // The parent's pool is not dropped: dropping would wait for threads that do not exist in this process.
-    mem::forget(kept.replace((process, Arc::clone(&pool))));
+    mem::forget(lock.replace((process, Arc::clone(&pool))));
     Ok(Threads::of(pool))
 }
 
 /// Returns at most as many threads as the caller requests; all threads by default.
-pub(crate) fn at_most(py: Python<'_>, given: Option<&Bound<'_, PyAny>>) -> PyResult<Threads> {
-    match given.map(|value| read::count("threads", value)).transpose()? {
+pub(crate) fn at_most(py: Python<'_>, limit: Option<&Bound<'_, PyAny>>) -> PyResult<Threads> {
+    match limit.map(|value| read::count("threads", value)).transpose()? {
         None => threads(py),
         Some(0) => Err(invalid("threads", "0", "give a whole number, 1 or above")),
         // A single thread needs no pool.

@@ -70,7 +70,7 @@ fn nested(values: &[f64], shape: &[usize], whole: bool) -> Node {
 }
 
 /// Returns a value of a table as a Python object.
-pub(crate) fn shown<'py>(py: Python<'py>, node: &Node) -> PyResult<Bound<'py, PyAny>> {
+pub(crate) fn object<'py>(py: Python<'py>, node: &Node) -> PyResult<Bound<'py, PyAny>> {
     match node {
         Node::Null => Ok(py.None().into_bound(py)),
         Node::Bool(flag) => flag.into_bound_py_any(py),
@@ -80,12 +80,12 @@ pub(crate) fn shown<'py>(py: Python<'py>, node: &Node) -> PyResult<Bound<'py, Py
         Node::Text(text) => text.into_bound_py_any(py),
         Node::Numbers(list) => list.into_bound_py_any(py),
         Node::List(list) => {
-            list.iter().map(|node| shown(py, node)).collect::<PyResult<Vec<_>>>()?.into_bound_py_any(py)
+            list.iter().map(|node| object(py, node)).collect::<PyResult<Vec<_>>>()?.into_bound_py_any(py)
         }
         Node::Table(entries) => {
             let table = PyDict::new(py);
             for (key, node) in entries {
-                table.set_item(key, shown(py, node)?)?;
+                table.set_item(key, object(py, node)?)?;
             }
             Ok(table.into_any())
         }

@@ -82,15 +82,15 @@ pub(crate) fn array<'py>(
             array => array?,
         }
     };
-    let own = array.cast::<PyUntypedArray>()?.dtype();
-    let kind = char::from(own.kind());
+    let dtype = array.cast::<PyUntypedArray>()?.dtype();
+    let kind = char::from(dtype.kind());
     if kinds.contains(kind) {
         return Ok((array, kind));
     }
     // The values of an array of another type are right, but not their type.
     let foreign = kind != 'O' && !value.is_instance_of::<PyList>() && !value.is_instance_of::<PyTuple>();
     if foreign && array.getattr("ndim")?.is_truthy()? {
-        return Err(coded(ErrorCode::Type, item, &format!("of dtype {own}"), cure));
+        return Err(coded(ErrorCode::Type, item, &format!("of dtype {dtype}"), cure));
     }
     Err(refusal())
 }
@@ -136,8 +136,8 @@ pub(crate) fn checked<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let (array, kind) = array(item, value, kinds, cure)?;
     let shape = array.cast::<PyUntypedArray>()?.shape();
-    let size = |(&own, &size): (&usize, &isize)| own == size.unsigned_abs() || size < 0 && own > size.unsigned_abs();
-    let fits = |wanted: &Vec<isize>| wanted.len() == shape.len() && shape.iter().zip(wanted).all(size);
+    let size = |(&n, &size): (&usize, &isize)| n == size.unsigned_abs() || size < 0 && n > size.unsigned_abs();
+    let fits = |pattern: &Vec<isize>| pattern.len() == shape.len() && shape.iter().zip(pattern).all(size);
     if shapes.is_some_and(|shapes| !shapes.iter().any(fits)) {
         return Err(misshapen(item, shape, cure));
     }

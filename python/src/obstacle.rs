@@ -31,7 +31,7 @@ pub(crate) fn read_obstacles(value: &Bound<'_, PyAny>) -> PyResult<Vec<Obstacle>
 }
 
 /// Returns obstacles as Python objects.
-pub(crate) fn shown_obstacles<'py>(py: Python<'py>, obstacles: &[Obstacle]) -> PyResult<Vec<Bound<'py, PyAny>>> {
+pub(crate) fn obstacle_objects<'py>(py: Python<'py>, obstacles: &[Obstacle]) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let one = |obstacle: &Obstacle| match (shown_body(py, obstacle)?, obstacle) {
         (Some(body), _) => Ok(body),
         (None, Obstacle::Mesh(mesh)) => Ok(Bound::new(py, Mesh { inner: Arc::clone(mesh) })?.into_any()),

@@ -10,10 +10,10 @@ use crate::quantization::{self, read_quantization};
 use crate::read;
 
 /// Parts with the values that an array gets.
-pub(crate) type Given = Vec<(&'static Part, PartValue)>;
+pub(crate) type Values = Vec<(&'static Part, PartValue)>;
 
 /// Reads the parts by their names; parts that are missing or None do not change.
-pub(crate) fn given<'py>(value: impl Fn(&str) -> PyResult<Option<Bound<'py, PyAny>>>) -> PyResult<Given> {
+pub(crate) fn values<'py>(value: impl Fn(&str) -> PyResult<Option<Bound<'py, PyAny>>>) -> PyResult<Values> {
     let read = |part: &'static Part| {
         let value = value(part.name).transpose()?;
         Some(value.and_then(|value| Ok((part, read_part(part, &value)?))))
@@ -22,8 +22,8 @@ pub(crate) fn given<'py>(value: impl Fn(&str) -> PyResult<Option<Bound<'py, PyAn
 }
 
 /// Reads the keywords of a call that accepts only parts.
-pub(crate) fn keywords(call: &str, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Given> {
-    let Some(keywords) = keywords else { return Ok(Given::new()) };
+pub(crate) fn keywords(call: &str, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Values> {
+    let Some(keywords) = keywords else { return Ok(Values::new()) };
     for name in keywords.keys() {
         let (name, known) = (name.to_string(), Array::PARTS.iter().map(|part| part.name));
         if !known.clone().any(|part| part == name) {
@@ -31,7 +31,7 @@ pub(crate) fn keywords(call: &str, keywords: Option<&Bound<'_, PyDict>>) -> PyRe
             return Err(PyTypeError::new_err(unknown.to_string()));
         }
     }
-    given(|name| Ok(keywords.get_item(name)?.filter(|value| !value.is_none())))
+    values(|name| Ok(keywords.get_item(name)?.filter(|value| !value.is_none())))
 }
 
 fn read_part(part: &Part, value: &Bound<'_, PyAny>) -> PyResult<PartValue> {
@@ -46,14 +46,14 @@ fn read_part(part: &Part, value: &Bound<'_, PyAny>) -> PyResult<PartValue> {
 }
 
 /// Returns the value of a part as a Python object.
-pub(crate) fn shown(py: Python<'_>, value: PartValue) -> PyResult<Bound<'_, PyAny>> {
+pub(crate) fn object(py: Python<'_>, value: PartValue) -> PyResult<Bound<'_, PyAny>> {
     Ok(match value {
         PartValue::Real(number) => number.into_pyobject(py)?.into_any(),
         PartValue::Directivity(law) => directivity(py, law)?,
         PartValue::Complexes(list) => give::list(py, list).into_any(),
         PartValue::Flags(list) => give::list(py, list).into_any(),
         PartValue::Indices(list) => give::list(py, list.into_iter().map(usize::cast_signed).collect()).into_any(),
-        PartValue::Quantization(board) => quantization::shown(py, &board)?.into_any(),
+        PartValue::Quantization(board) => quantization::object(py, &board)?.into_any(),
     })
 }
 

@@ -58,11 +58,11 @@ impl Path {
     /// Returns values of all points at some times.
     fn each<T: Send>(&self, times: &Bound<'_, PyAny>, of: fn(points::Moment) -> T) -> PyResult<Vec<T>> {
         let cure = "give a list of finite times in s";
-        let given = numbers::<f64>("times", times, REAL, cure)?;
-        if given.shape.len() != 1 || !given.values.iter().all(|time| time.is_finite()) {
+        let list = numbers::<f64>("times", times, REAL, cure)?;
+        if list.shape.len() != 1 || !list.values.iter().all(|time| time.is_finite()) {
             return Err(invalid("times", &quoted(times), cure));
         }
-        Ok(times.py().detach(|| given.values.iter().flat_map(|&time| self.path.moments(time)).map(of).collect()))
+        Ok(times.py().detach(|| list.values.iter().flat_map(|&time| self.path.moments(time)).map(of).collect()))
     }
 
     fn places<'py>(&self, py: Python<'py>, places: &[[f64; 3]]) -> PyResult<Places<'py>> {
@@ -78,7 +78,7 @@ impl Path {
 
     fn am(slf: &Bound<'_, Self>, table: &Node) -> PyResult<Self> {
         let path = files::read_modulated(&slf.get().path, table);
-        Self::new(slf.py(), path, "_am", (slf, node::shown(slf.py(), table)?))
+        Self::new(slf.py(), path, "_am", (slf, node::object(slf.py(), table)?))
     }
 
     fn other<'a>(other: &'a Bound<'_, PyAny>) -> PyResult<&'a Self> {
@@ -97,7 +97,7 @@ impl Path {
         let no_drawing = &mut |_: &str, _: &str| -> Result<Drawing, midair::Error> {
             Err(midair::Error::missing("", "a drawing", "give a path without a file"))
         };
-        Self::new(py, files::read_path(&table, no_drawing), "_of", (node::shown(py, &table)?,))
+        Self::new(py, files::read_path(&table, no_drawing), "_of", (node::object(py, &table)?,))
     }
 
     /// Makes the path through frames (K, M, 3) at a rate, with pressures (K, M) or None.
@@ -339,9 +339,9 @@ impl Path {
         depth: Option<&Bound<'_, PyAny>>,
         samples_rate: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let given = node::read("frequency", frequency)?;
-        let sampled = samples_rate.is_some() || matches!(given, Node::List(_) | Node::Numbers(_));
-        let mut keys = vec![(if sampled { "samples" } else { "frequency" }.to_owned(), given)];
+        let entry = node::read("frequency", frequency)?;
+        let sampled = samples_rate.is_some() || matches!(entry, Node::List(_) | Node::Numbers(_));
+        let mut keys = vec![(if sampled { "samples" } else { "frequency" }.to_owned(), entry)];
         for (key, value) in [("shape", shape), ("depth", depth), ("samples_rate", samples_rate)] {
             keys.push((key.into(), value.map_or(Ok(Node::Null), |value| node::read(key, value))?));
         }

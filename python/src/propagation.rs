@@ -11,7 +11,7 @@ use crate::error::refused;
 use crate::give;
 use crate::instruction_set::instruction_set;
 use crate::pickle::Reduced;
-use crate::quantization::{read_quantization, shown};
+use crate::quantization::{self, read_quantization};
 use crate::read;
 
 /// Propagation matrix G of your own: measured, or computed with obstacles.
@@ -109,7 +109,7 @@ impl Matrix {
     /// Writes the keywords, and returns the matrix as Python has it.
     pub(crate) fn write<'py>(&self, keywords: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyAny>> {
         let (py, Setup { quantization, positions, .. }) = (keywords.py(), &*self.setup);
-        let board = quantization.as_deref().map(|board| shown(py, board)).transpose()?;
+        let board = quantization.as_deref().map(|board| quantization::object(py, board)).transpose()?;
         keywords.set_item("quantization", board)?;
         keywords.set_item("positions", positions.as_deref().map(|at| give::rows(py, at)).transpose()?)?;
         Ok(Bound::new(py, Propagation { inner: self.propagation.clone() })?.into_any())

@@ -41,7 +41,7 @@ pub(crate) fn read_quantization(value: &Bound<'_, PyAny>) -> PyResult<Quantizati
 }
 
 /// Returns a quantization as a dict.
-pub(crate) fn shown<'py>(py: Python<'py>, quantization: &Quantization) -> PyResult<Bound<'py, PyDict>> {
+pub(crate) fn object<'py>(py: Python<'py>, quantization: &Quantization) -> PyResult<Bound<'py, PyDict>> {
     let table = PyDict::new(py);
     table.set_item("phases", quantization.phases())?;
     table.set_item("amplitudes", quantization.amplitudes().map(|table| give::list(py, table.to_vec())))?;

@@ -330,8 +330,8 @@ pub(crate) fn request(
     pressures: Option<&Bound<'_, PyAny>>,
     weights: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Request> {
-    let given = pressures.map_or_else(|| Ok(Request::default()), |value| self::pressures(value, count))?;
-    Ok(Request { weights: weights.map(|value| list("weights", value, count)).transpose()?, ..given })
+    let request = pressures.map_or_else(|| Ok(Request::default()), |value| self::pressures(value, count))?;
+    Ok(Request { weights: weights.map(|value| list("weights", value, count)).transpose()?, ..request })
 }
 
 /// Reads an aim by its name.

@@ -48,21 +48,21 @@ impl Ready {
             return Ok(self.model.clone());
         }
         // Locked only for short operations that do not wait for the GIL, to avoid a deadlock.
-        let kept = || self.behind.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, model)) = kept().as_ref().filter(|(own, _)| own == obstacles) {
+        let cache = || self.behind.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, model)) = cache().as_ref().filter(|(known, _)| known == obstacles) {
             return Ok(model.clone());
         }
         let model = behind(py, &self.model, obstacles)?;
-        *kept() = Some((obstacles.to_vec(), model.clone()));
+        *cache() = Some((obstacles.to_vec(), model.clone()));
         Ok(model)
     }
 }
 
 /// The last prepared form of an array. Copies share it.
 #[derive(Clone, Default)]
-pub(crate) struct Kept(Arc<Mutex<Option<Arc<Ready>>>>);
+pub(crate) struct Cache(Arc<Mutex<Option<Arc<Ready>>>>);
 
-impl Kept {
+impl Cache {
     pub(crate) fn of(ready: Arc<Ready>) -> Self {
         Self(Arc::new(Mutex::new(Some(ready))))
     }
@@ -70,13 +70,13 @@ impl Kept {
     /// Returns the array prepared for a medium.
     pub(crate) fn get(&self, array: &midair::Array, medium: Medium) -> PyResult<Arc<Ready>> {
         // Only a thread with the GIL takes this lock, so it is never locked when Python forks.
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(ready) = kept.as_ref().filter(|ready| ready.model.medium() == medium) {
+        let mut cache = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(ready) = cache.as_ref().filter(|ready| ready.model.medium() == medium) {
             return Ok(Arc::clone(ready));
         }
         let model = Model::new(array, medium, instruction_set()?).map_err(refused)?;
         let ready =
             Arc::new(Ready { model, doubts: array.doubts(medium), behind: Mutex::default(), work: Mutex::default() });
-        Ok(Arc::clone(kept.insert(ready)))
+        Ok(Arc::clone(cache.insert(ready)))
     }
 }

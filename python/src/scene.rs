@@ -20,13 +20,13 @@ use crate::getters::getters;
 use crate::give::{self, rows};
 use crate::keywords::Keywords;
 use crate::numbers::quoted;
-use crate::obstacle::{read_obstacles, shown_obstacles};
+use crate::obstacle::{obstacle_objects, read_obstacles};
 use crate::pickle::{Reduced, restored};
 use crate::plane::Plane;
 use crate::reach::Reach;
 use crate::read;
 use crate::ready::Ready;
-use crate::signature::{read_signature, shown_signature};
+use crate::signature::{read_signature, signature_object};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -318,7 +318,7 @@ impl Scene {
     /// array([200.])
     #[pyo3(signature = (**changes))]
     fn replace(&self, py: Python<'_>, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let (own, keywords) = (&*self.inner, Keywords::of(py, changes)?);
+        let (scene, keywords) = (&*self.inner, Keywords::of(py, changes)?);
         let array = match keywords.take("array")? {
             None => self.array(),
             Some(array) => match array.cast::<Array>() {
@@ -327,20 +327,20 @@ impl Scene {
             },
         };
         let array = keywords.array(array)?;
-        let medium = keywords.medium(Some(own.medium()), &array)?;
+        let medium = keywords.medium(Some(scene.medium()), &array)?;
         let points = keywords.take("points")?;
-        let points = points.map_or_else(|| Ok(own.points().to_vec()), |points| read::vectors("points", &points))?;
-        let kept = |item: &str, own: &Option<Vec<f64>>| match own {
-            Some(own) if own.len() != points.len() => {
+        let points = points.map_or_else(|| Ok(scene.points().to_vec()), |points| read::vectors("points", &points))?;
+        let unchanged = |item: &str, list: &Option<Vec<f64>>| match list {
+            Some(list) if list.len() != points.len() => {
                 let cure = format!("give {item} for the {} points, or None", points.len());
-                Err(invalid(item, &format!("kept from {} points", own.len()), &cure))
+                Err(invalid(item, &format!("kept from {} points", list.len()), &cure))
             }
-            own => Ok(own.clone()),
+            list => Ok(list.clone()),
         };
-        let requested = own.request();
-        let given = match keywords.take_or_none("pressures")? {
+        let requested = scene.request();
+        let targets = match keywords.take_or_none("pressures")? {
             None => Request {
-                pressures: kept("pressures", &requested.pressures)?,
+                pressures: unchanged("pressures", &requested.pressures)?,
                 phases: requested.phases.clone(),
                 ..Request::default()
             },
@@ -348,12 +348,12 @@ impl Scene {
             Some(value) => read::pressures(&value, points.len())?,
         };
         let weights = match keywords.take_or_none("weights")? {
-            None => kept("weights", &requested.weights)?,
+            None => unchanged("weights", &requested.weights)?,
             Some(value) if value.is_none() => None,
             Some(value) => Some(read::list("weights", &value, points.len())?),
         };
-        let request = Request { weights, ..given };
-        let mut extras = own.extras();
+        let request = Request { weights, ..targets };
+        let mut extras = scene.extras();
         if let Some(plane) = keywords.take_or_none("plane")? {
             extras.plane = match plane.cast::<Plane>() {
                 Ok(plane) => Some(plane.get().inner),
@@ -506,13 +506,13 @@ getters! {
 
     /// The signature of traps: "trap", "twin", "vortex", complex factors (N,) or (M, N), a list (M,), or None.
     signature(self, py) -> PyResult<Option<Bound<'py, PyAny>>> =
-        shown_signature(py, self.inner.signature(), self.inner.array().len());
+        signature_object(py, self.inner.signature(), self.inner.array().len());
 
     /// The sphere that traps are made for.
     bead(self) -> bead::Bead = bead::Bead(self.inner.bead());
 
     /// Bodies that reflect the waves: a list of midair.Wall, Sphere, Mesh and the like.
-    obstacles(self, py) -> PyResult<Vec<Bound<'py, PyAny>>> = shown_obstacles(py, self.inner.obstacles());
+    obstacles(self, py) -> PyResult<Vec<Bound<'py, PyAny>>> = obstacle_objects(py, self.inner.obstacles());
 
     /// The plane of the scene file for pictures, or None.
     plane(self) -> Option<Plane> = self.inner.plane.map(|inner| Plane { inner });

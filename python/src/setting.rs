@@ -11,11 +11,11 @@ use crate::bead;
 use crate::chosen::{Chosen, Naming};
 use crate::error::{invalid, refused, warn_all};
 use crate::keywords::Keywords;
-use crate::obstacle::shown_obstacles;
+use crate::obstacle::obstacle_objects;
 use crate::propagation::{Matrix, Propagation};
 use crate::read;
 use crate::scene::Scene;
-use crate::signature::shown_signature;
+use crate::signature::signature_object;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -42,12 +42,12 @@ pub(crate) enum Source {
 impl PartialEq for Source {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
-            (Self::Model(own), Self::Model(other)) => {
-                let same = own.array() == other.array() && own.medium() == other.medium();
-                let same = same && own.bead() == other.bead();
-                same && own.signature() == other.signature() && own.obstacles() == other.obstacles()
+            (Self::Model(model), Self::Model(other)) => {
+                let same = model.array() == other.array() && model.medium() == other.medium();
+                let same = same && model.bead() == other.bead();
+                same && model.signature() == other.signature() && model.obstacles() == other.obstacles()
             }
-            (Self::Given(own), Self::Given(other)) => own == other,
+            (Self::Given(matrix), Self::Given(other)) => matrix == other,
             _ => false,
         }
     }
@@ -79,10 +79,10 @@ impl Source {
                 for (name, value) in model.medium().numbers() {
                     keywords.set_item(name, value)?;
                 }
-                let shown = shown_signature(py, model.signature(), model.array().len())?;
-                keywords.set_item("signature", shown)?;
+                let signature = signature_object(py, model.signature(), model.array().len())?;
+                keywords.set_item("signature", signature)?;
                 keywords.set_item("bead", bead::Bead(model.bead()))?;
-                keywords.set_item("obstacles", shown_obstacles(py, model.obstacles())?)?;
+                keywords.set_item("obstacles", obstacle_objects(py, model.obstacles())?)?;
                 Bound::new(py, Array::from(model.array().clone()))?.into_any()
             }
             Self::Given(matrix) => matrix.write(&keywords)?,
@@ -120,8 +120,8 @@ impl Setting {
                 }
             }
             let (quantization, mask) = (keywords.take("quantization")?, keywords.take("mask")?);
-            let given = [quantization.as_ref(), mask.as_ref(), positions.as_ref()];
-            let matrix = Matrix::read(&matrix.get().inner, given)?;
+            let setup = [quantization.as_ref(), mask.as_ref(), positions.as_ref()];
+            let matrix = Matrix::read(&matrix.get().inner, setup)?;
             let board = matrix.setup.quantization.as_deref();
             let (chosen, Configured { solver, .. }) = Chosen::read(None, board, naming, Some(keywords.rest()))?;
             let Matrix { propagation, setup } = matrix.clone();

@@ -32,7 +32,7 @@ impl Shifted {
     ) -> PyResult<Bound<'py, PyArray1<midair::Complex32>>> {
         let (shifts, loads, set) =
             (read::complexes("shifts", shifts)?, read::drive("loads", loads)?, instruction_set()?);
-        let found = attend(py, None, |mut control| self.inner.solve(set, &shifts, &loads, &mut control))?;
-        Ok(give::list(py, found))
+        let solutions = attend(py, None, |mut control| self.inner.solve(set, &shifts, &loads, &mut control))?;
+        Ok(give::list(py, solutions))
     }
 }

@@ -33,7 +33,7 @@ pub(crate) fn read_signature(value: &Bound<'_, PyAny>, transducers: usize) -> Py
 }
 
 /// Returns a signature in the form in which it was given, its factors as complex128.
-pub(crate) fn shown_signature<'py>(
+pub(crate) fn signature_object<'py>(
     py: Python<'py>,
     signature: Option<&Signature>,
     transducers: usize,

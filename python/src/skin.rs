@@ -52,8 +52,8 @@ impl Membrane {
         distances: PyReadonlyArrayDyn<'py, f64>,
     ) -> PyResult<Bound<'py, PyArrayDyn<Complex64>>> {
         let (shape, distances) = (distances.shape().to_vec(), distances.as_slice()?);
-        let found: Vec<_> = py.detach(|| distances.iter().map(|&each| self.0.response(frequency, each)).collect());
-        found.into_pyarray(py).reshape(shape)
+        let responses: Vec<_> = py.detach(|| distances.iter().map(|&each| self.0.response(frequency, each)).collect());
+        responses.into_pyarray(py).reshape(shape)
     }
 
     /// Return the motion under pressure lines (L, R, C) in Pa at frequencies (L,) in Hz, on squares of side `step` in m. The

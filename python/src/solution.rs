@@ -160,12 +160,11 @@ impl Solution {
         let (name, status) = (&self.choice.name, self.inner.status);
         let (accuracy, sigma) = (metrics.accuracy, metrics.sigma);
         // Without pressures there is no request that a drive could miss.
-        let given = self.inner.requested().2.pressures.is_some();
-        let level =
-            if given { format!("accuracy {accuracy:.4}") } else { format!("{accuracy:.4} of the balanced level") };
+        let has_targets = self.inner.requested().2.pressures.is_some();
+        let [before, after] = if has_targets { ["accuracy ", ""] } else { ["", " of the balanced level"] };
         let scale = self.inner.scale;
         let supply = if scale < 1.0 { format!(", drives to be scaled by {scale:.4}") } else { String::new() };
-        format!("<midair.Solution by {name}: {status}, {level}, sigma {sigma:.4}{supply}>")
+        format!("<midair.Solution by {name}: {status}, {before}{accuracy:.4}{after}, sigma {sigma:.4}{supply}>")
     }
 }
 
@@ -235,14 +234,14 @@ pub(crate) fn about<'py>(
     place: Option<Bound<'py, PyAny>>,
 ) -> PyResult<About<'py>> {
     if let Ok(solution) = scene.cast::<Solution>() {
-        let Some(own) = solution.get().scene()? else {
+        let Some(origin) = solution.get().scene()? else {
             let cure = "it answers a matrix of its own, which has no air: multiply that matrix with solution.drive";
             return Err(invalid("solution.scene", "None", cure));
         };
         if drive.is_some() && place.is_some() {
             return Err(PyTypeError::new_err("drive is given, but the Solution has its own: leave it out"));
         }
-        return Ok((Bound::new(scene.py(), own)?, scene.clone(), drive.or(place)));
+        return Ok((Bound::new(scene.py(), origin)?, scene.clone(), drive.or(place)));
     }
     let Ok(scene) = scene.cast::<Scene>() else {
         let kind = scene.get_type().qualname()?;

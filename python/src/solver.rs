@@ -98,26 +98,26 @@ impl Solver {
 type Remembered<'py> = (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f32>>, f32, Bound<'py, PyArray2<f64>>);
 
 /// Copies points into a reused list; a C-contiguous float64 array is copied only once.
-fn copy_points(value: &Bound<'_, PyAny>, kept: &mut Vec<[f64; 3]>) -> PyResult<()> {
-    kept.clear();
+fn copy_points(value: &Bound<'_, PyAny>, points: &mut Vec<[f64; 3]>) -> PyResult<()> {
+    points.clear();
     if let Some(array) = in_place::<f64, Ix2>(value)
         && array.shape()[1] == 3
         && let Ok(slice) = array.as_slice()
     {
-        kept.extend_from_slice(slice.as_chunks().0);
+        points.extend_from_slice(slice.as_chunks().0);
         return Ok(());
     }
-    kept.extend(read::vectors("points", value)?);
+    points.extend(read::vectors("points", value)?);
     Ok(())
 }
 
 /// Copies numbers into a reused list: one for every point, or one for all.
-fn copy(item: &str, value: Argument<'_, '_>, count: usize, kept: &mut Option<Vec<f64>>) -> PyResult<()> {
+fn copy(item: &str, value: Argument<'_, '_>, count: usize, slot: &mut Option<Vec<f64>>) -> PyResult<()> {
     let Some(value) = value else {
-        *kept = None;
+        *slot = None;
         return Ok(());
     };
-    if let (Some(array), Some(list)) = (in_place::<f64, Ix1>(value), kept.as_mut())
+    if let (Some(array), Some(list)) = (in_place::<f64, Ix1>(value), slot.as_mut())
         && array.len() == count
         && let Ok(slice) = array.as_slice()
     {
@@ -125,20 +125,20 @@ fn copy(item: &str, value: Argument<'_, '_>, count: usize, kept: &mut Option<Vec
         list.extend_from_slice(slice);
         return Ok(());
     }
-    *kept = Some(read::list(item, value, count)?);
+    *slot = Some(read::list(item, value, count)?);
     Ok(())
 }
 
 /// Copies pressures into a reused request.
-fn copy_pressures(value: Argument<'_, '_>, count: usize, kept: &mut Request) -> PyResult<()> {
-    kept.phases = None;
+fn copy_pressures(value: Argument<'_, '_>, count: usize, request: &mut Request) -> PyResult<()> {
+    request.phases = None;
     match value {
         Some(value) if in_place::<f64, Ix1>(value).is_none() => {
             let Request { pressures, phases, .. } = read::pressures(value, count)?;
-            (kept.pressures, kept.phases) = (pressures, phases);
+            (request.pressures, request.phases) = (pressures, phases);
             Ok(())
         }
-        value => copy("pressures", value, count, &mut kept.pressures),
+        value => copy("pressures", value, count, &mut request.pressures),
     }
 }
 
@@ -276,8 +276,8 @@ impl Solver {
         if session.given_points().is_some() {
             return Err(invalid("points", "given", "a matrix has its own points, which do not move"));
         }
-        let (points, [given, count]) = read::batch_of_points("points", points)?;
-        let Some(frames @ 1..) = margin.checked_mul(2).and_then(|sides| given.checked_sub(sides)) else {
+        let (points, [length, count]) = read::batch_of_points("points", points)?;
+        let Some(frames @ 1..) = margin.checked_mul(2).and_then(|sides| length.checked_sub(sides)) else {
             return Err(invalid("margin", &margin.to_string(), "give more frames of points than on both sides"));
         };
         let targets = pressures.map(|value| read::batch_of_pressures(value, [frames, count])).transpose()?;
@@ -341,11 +341,8 @@ impl Solver {
         let mut state = self.state()?;
         let (shape, transducers) = (drives.shape(), state.session.transducers());
         if shape != [3, transducers] {
-            return Err(invalid(
-                "drives",
-                &format!("of shape {shape:?}"),
-                &format!("give (3, {transducers}), of last()"),
-            ));
+            let cure = format!("give (3, {transducers}), of last()");
+            return Err(invalid("drives", &format!("of shape {shape:?}"), &cure));
         }
         if motion.shape()[1] != 3 {
             let shape = format!("of shape {:?}", motion.shape());

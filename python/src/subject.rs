@@ -28,25 +28,22 @@ impl Beside<'_, '_> {
     fn over(self, scene: &Bound<'_, Scene>) -> PyResult<Scene> {
         let Self { pressures, weights, quantization, mask, positions } = self;
         if positions.is_some() {
-            return Err(invalid(
-                "positions",
-                "given beside a Scene",
-                "its array has its own: they go with Propagation",
-            ));
+            let cure = "its array has its own: they go with Propagation";
+            return Err(invalid("positions", "given beside a Scene", cure));
         }
         let (py, scene) = (scene.py(), scene.get());
         if [pressures, weights, quantization, mask].iter().all(Option::is_none) {
             return Ok(scene.clone());
         }
-        let given = parts::given(|name| {
-            let given = [("mask", mask), ("quantization", quantization)].into_iter().find(|(known, _)| *known == name);
-            Ok(given.and_then(|(_, value)| value.cloned()))
+        let values = parts::values(|name| {
+            let entry = [("mask", mask), ("quantization", quantization)].into_iter().find(|(known, _)| *known == name);
+            Ok(entry.and_then(|(_, value)| value.cloned()))
         })?;
-        let (array, own) = (scene.array().with_parts(given)?, &scene.inner);
-        let given = read::request(own.points().len(), pressures, weights)?;
-        let requested = if given.pressures.is_some() { given.clone() } else { own.request().clone() };
-        let request = Request { weights: given.weights.or_else(|| own.request().weights.clone()), ..requested };
-        let changed = Scene::made(&array, own.medium(), own.points().to_vec(), request, own.extras())?;
+        let (array, inner) = (scene.array().with_parts(values)?, &scene.inner);
+        let targets = read::request(inner.points().len(), pressures, weights)?;
+        let requested = if targets.pressures.is_some() { targets.clone() } else { inner.request().clone() };
+        let request = Request { weights: targets.weights.or_else(|| inner.request().weights.clone()), ..requested };
+        let changed = Scene::made(&array, inner.medium(), inner.points().to_vec(), request, inner.extras())?;
         changed.reported(py, &scene.doubts())
     }
 }

@@ -10,7 +10,7 @@ use crate::node;
 #[pyfunction]
 pub(crate) fn read_sweep<'py>(py: Python<'py>, text: &[u8], name: &str) -> PyResult<Bound<'py, PyAny>> {
     let tables = files::read_sweep(text, Format::of_document(name, text), Source { name, folder: None });
-    node::shown(py, &tables.map_err(refused)?)
+    node::object(py, &tables.map_err(refused)?)
 }
 
 /// Returns the SceneError about a value in a text with its line; None if the text has no such value.
@@ -25,6 +25,6 @@ pub(crate) fn read_sweep<'py>(py: Python<'py>, text: &[u8], name: &str) -> PyRes
 #[pyfunction]
 pub(crate) fn placed(text: &[u8], name: &str, error: &Bound<'_, PyAny>) -> PyResult<Option<Py<PyAny>>> {
     let source = Source { name, folder: None };
-    let found = files::placed(text, Format::of_document(name, text), source, &error_of(error)?);
-    Ok(found.map(|found| refused(found).into_value(error.py()).into_any()))
+    let fault = files::placed(text, Format::of_document(name, text), source, &error_of(error)?);
+    Ok(fault.map(|fault| refused(fault).into_value(error.py()).into_any()))
 }

@@ -112,11 +112,8 @@ impl<'a> Reader<'a> {
 
     pub(crate) fn get(&mut self) -> Result<u8, Error> {
         let Some(&byte) = self.frame.get(self.at) else {
-            return Err(Error::invalid(
-                "frame",
-                format!("{} bytes", self.frame.len()),
-                "it breaks off: give whole frames",
-            ));
+            let cure = "it breaks off: give whole frames";
+            return Err(Error::invalid("frame", format!("{} bytes", self.frame.len()), cure));
         };
         self.at += 1;
         Ok(byte)

@@ -67,11 +67,8 @@ impl Path {
             return Ok(());
         }
         let which = if self.pascals { "first" } else { "second" };
-        Err(Error::invalid(
-            "pressures",
-            format!("given for the {which} path only"),
-            "give them for both or for neither",
-        ))
+        let cure = "give them for both or for neither";
+        Err(Error::invalid("pressures", format!("given for the {which} path only"), cure))
     }
 
     /// Returns the other path after this one. Where points, places or targets do not continue, a fade of `fade` s joins them:

@@ -52,11 +52,8 @@ impl Modulation {
     /// No samples, samples or a depth beyond 0 to 1, a rate that is not above 0.
     pub fn of_samples(samples: Vec<f64>, rate: f64, depth: f64) -> Result<Self, Error> {
         if samples.is_empty() {
-            return Err(Error::invalid(
-                "samples",
-                "an empty list",
-                "give samples (S,) from 0 to 1, and samples_rate in Hz",
-            ));
+            let cure = "give samples (S,) from 0 to 1, and samples_rate in Hz";
+            return Err(Error::invalid("samples", "an empty list", cure));
         }
         if let Some(k) = samples.iter().position(|sample| !(0.0..=1.0).contains(sample)) {
             let value = format!("{:?}", samples[k]);

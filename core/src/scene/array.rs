@@ -76,11 +76,8 @@ impl Array {
             // underflow.
             let largest = normal.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             if largest == 0.0 {
-                return Err(Error::invalid(
-                    format!("array.normals[{i}]"),
-                    format!("{normal:?}"),
-                    "give the direction the transducer looks",
-                ));
+                let cure = "give the direction the transducer looks";
+                return Err(Error::invalid(format!("array.normals[{i}]"), format!("{normal:?}"), cure));
             }
             let scaled = normal.map(|x| x / largest);
             let length = math::sqrt(scaled.iter().map(|x| x * x).sum());
@@ -149,11 +146,8 @@ impl Array {
     pub fn with_transducer(mut self, transducer: Transducer) -> Result<Self, Error> {
         let pressure = real("array.source_pressure", transducer.source_pressure, 0.0, true)?;
         if !UNITS.contains(&pressure) {
-            return Err(Error::out_of_range(
-                "array.source_pressure",
-                format!("{pressure:?}"),
-                "give Pa m: 1e-15 to 1e15",
-            ));
+            let cure = "give Pa m: 1e-15 to 1e15";
+            return Err(Error::out_of_range("array.source_pressure", format!("{pressure:?}"), cure));
         }
         transducer.directivity.checked()?;
         self.transducer = transducer;
@@ -172,11 +166,8 @@ impl Array {
                 return Err(Error::not_finite(format!("array.response[{i}]"), c));
             }
             if let Some((i, c)) = response.iter().enumerate().find(|(_, c)| c.norm_sqr() > 1e6 * 1e6) {
-                return Err(Error::invalid(
-                    format!("array.response[{i}]"),
-                    c,
-                    "a response is relative to source_pressure: give at most 1e6 in modulus",
-                ));
+                let cure = "a response is relative to source_pressure: give at most 1e6 in modulus";
+                return Err(Error::invalid(format!("array.response[{i}]"), c, cure));
             }
         }
         self.response = response.map(Into::into);

@@ -50,11 +50,8 @@ pub(crate) fn mirror(
     vector(&format!("{item}.normal"), &normal)?;
     let largest = normal.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     if largest == 0.0 {
-        return Err(Error::invalid(
-            format!("{item}.normal"),
-            format!("{normal:?}"),
-            "give the direction the wall faces",
-        ));
+        let cure = "give the direction the wall faces";
+        return Err(Error::invalid(format!("{item}.normal"), format!("{normal:?}"), cure));
     }
     let mut mirror = Mirror { point: Vec3(point), normal: (Vec3(normal) / largest).unit(), kind };
     if mirror.height(array.centre()) < -ON {

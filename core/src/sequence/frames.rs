@@ -64,12 +64,8 @@ impl<'a> Frames<'a> {
         }
         let largest = targets.iter().copied().fold(0.0, f64::max);
         let Some(first) = targets.iter().position(|&target| target > 0.0) else {
-            return Err(Error::new(
-                ErrorCode::Silent,
-                "targets",
-                "0 everywhere",
-                "give a point of some frame one above 0",
-            ));
+            let cure = "give a point of some frame one above 0";
+            return Err(Error::new(ErrorCode::Silent, "targets", "0 everywhere", cure));
         };
         let medium = model.medium();
         for (k, point) in points.iter().enumerate().filter(|(k, _)| targets[*k] > 0.0) {
@@ -110,12 +106,8 @@ impl<'a> Frames<'a> {
         let silent = |k: &usize| targets[*k] > 0.0 && (all.reach[*k].is_nan() || all.reach[*k] <= 0.0);
         if let Some(k) = (0..points.len()).find(silent) {
             let cure = "move it in front of the array, turn a normal or switch a transducer on";
-            return Err(Error::new(
-                ErrorCode::Unreached,
-                format!("points{}", name(k)),
-                "reached by no transducer",
-                cure,
-            ));
+            let item = format!("points{}", name(k));
+            return Err(Error::new(ErrorCode::Unreached, item, "reached by no transducer", cure));
         }
         Ok(all)
     }

@@ -52,11 +52,8 @@ impl Shifted {
             if !rows[column.clone()].is_sorted_by(|a, b| a < b)
                 || rows[column.clone()].iter().any(|&row| row as usize >= count)
             {
-                return Err(Error::invalid(
-                    format!("column {j}"),
-                    "not sorted",
-                    format!("give rows below {count} in order"),
-                ));
+                let cure = format!("give rows below {count} in order");
+                return Err(Error::invalid(format!("column {j}"), "not sorted", cure));
             }
             for k in column {
                 let (row, value) = (rows[k] as usize, values[k]);

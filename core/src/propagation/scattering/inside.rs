@@ -42,11 +42,8 @@ impl Boundary {
             if winding < 0.5 {
                 let least = 1e3 * DEPTH * element.reach();
                 let value = format!("a body thinner than {least:.2} mm, or one that crosses itself, {at}");
-                return Err(Error::invalid(
-                    "obstacles",
-                    value,
-                    "make it thicker, give finer faces, or mend the surface",
-                ));
+                let cure = "make it thicker, give finer faces, or mend the surface";
+                return Err(Error::invalid("obstacles", value, cure));
             }
             control.pulse()
         })
