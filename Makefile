@@ -241,7 +241,7 @@ header: # capi/include/midair.h
 	MIDAIR_HEADER=write $(CARGO) test --quiet -p midair-capi --test header
 
 golden: ## Write golden/ anew (a breaking change: say so in CHANGELOG.md)
-	MIDAIR_GOLDEN=write $(CARGO) test --quiet $(CORE) --test suite golden
+	MIDAIR_GOLDEN=write $(CARGO) test --quiet $(CORE) --test suite -- golden motion_files
 
 pins: ## Pin what pyproject.toml asks for, names and versions only
 	$(BIN)/uv pip compile --quiet --universal --no-header --no-annotate --group dev --no-emit-index-url --output-file constraints.txt pyproject.toml

@@ -99,8 +99,8 @@ fn what_a_motion_leaves_out_follows_from_its_path() {
     assert_eq!(choice.name, "glide");
     assert_eq!(choice.options["change"], midair::Value::Real(std::f64::consts::PI / 16.0));
     assert!(opened("signature = 'trap'\n[array]\npreset = 'openmpd_board'\n").stiff);
-    let other = opened("[array]\npreset = 'paper20'\n[solver]\nname = 'greedy'\n").scene.solver.expect("a solver");
-    assert!(other.options.is_empty() && other.aim.is_none());
+    let other = opened("[array]\npreset = 'paper20'\n[solver]\nname = 'naive'\n").scene.solver.expect("a solver");
+    assert_eq!((other.options, other.aim), (midair::Options::new(), None));
 }
 
 /// Returns the error of a motion with these lines in `[motion]`.

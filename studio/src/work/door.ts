@@ -259,7 +259,7 @@ export class Door {
   }
 
   /** Solves frames (T, M, 3) in m one after the other; without points, those of the scene's motion. */
-  follow(points = new Float64Array(), frames = 0): Frame[] {
+  follow(points: Float64Array = new Float64Array(), frames = 0): Frame[] {
     this.giveNumbers(points);
     this.call("follow", frames);
     const all = this.numbers();
