@@ -2,19 +2,15 @@
 
 use std::hash::{Hash, Hasher};
 
-use midair::{Bead as Core, Particle, poised};
-use numpy::{PyArray1, PyArray2};
+use midair::{Bead as Core, Particle};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::ctrl_c::attend;
 use crate::error::{invalid, refused};
 use crate::getters::getters;
-use crate::give;
 use crate::numbers::quoted;
 use crate::pickle::{Reduced, restored};
 use crate::read;
-use crate::scene::Scene;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -106,40 +102,6 @@ getters! {
 
     /// Gravity (x, y, z) in m/s^2.
     gravity(self) -> (f64, f64, f64) = self.0.gravity.into();
-}
-
-#[pymethods]
-impl Scene {
-    /// Returns the effective mass in kg of the bead.
-    fn _mass(&self) -> f64 {
-        self.inner.bead().particle.mass(self.inner.medium())
-    }
-
-    /// Returns the forces (K, 3) in N, without weight and buoyancy, that cause these velocities and accelerations (K, 3) of the
-    /// bead.
-    fn _needed<'py>(
-        &self,
-        velocities: &Bound<'py, PyAny>,
-        accelerations: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let (Core { particle, .. }, medium) = (self.inner.bead(), self.inner.medium());
-        let pair = (read::vectors("velocities", velocities)?, read::vectors("accelerations", accelerations)?);
-        let needed: Vec<_> = pair.0.iter().zip(&pair.1).map(|(&v, &a)| particle.needed(medium, v, a)).collect();
-        give::rows(velocities.py(), &needed)
-    }
-
-    /// Returns the place (3,) near a point where a trap gives the bead `force` (3,) in N in addition to the weight, or None.
-    fn _poised<'py>(
-        &self,
-        drive: &Bound<'py, PyAny>,
-        point: [f64; 3],
-        force: [f64; 3],
-    ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
-        let (py, model, bead) = (drive.py(), self.model(), self.inner.bead());
-        let drive = read::drive("drive", drive)?;
-        let place = attend(py, None, |mut control| poised(&model, &drive, point, bead, force, &mut control))?;
-        Ok(place.map(|place| give::list(py, place.to_vec())))
-    }
 }
 
 /// Reads a `midair.Bead`, or a dict of its parameters.

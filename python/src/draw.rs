@@ -1,5 +1,4 @@
-//! Tables of a scene file that Python reads for the core: `[shape]` and `[image]` as points, an obstacle's file as a mesh, a
-//! drawing as the outline of a path.
+//! Tables of a scene file that Python reads for the core: shapes and images as points, meshes, and drawings as paths.
 
 use std::path::Path;
 

@@ -12,7 +12,8 @@ use alloc::vec::Vec;
 
 use crate::error::{Error, real};
 use crate::math;
-use crate::points::path::{Course, Link, Moment, Path, ROUNDING};
+use crate::points::modulation::ROUNDING;
+use crate::points::path::{Course, Link, Moment, Path};
 use crate::scene::{distance, figures};
 
 /// Two closed paths played together must return to their starts within this many laps of one of them.

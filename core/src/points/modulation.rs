@@ -6,7 +6,10 @@ use core::f64::consts::TAU;
 
 use crate::error::{Error, find, real};
 use crate::math;
-use crate::points::path::ROUNDING;
+
+/// Tolerance of times, relative to a frame or a period, so that rounding errors never decide whether a time is before or after
+/// a jump.
+pub(super) const ROUNDING: f64 = 1e-9;
 
 /// A shape s as a function of the periods since the start, from 1.
 type Shape = fn(f64) -> f64;

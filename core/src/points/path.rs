@@ -10,12 +10,8 @@ use core::f64::consts::PI;
 use crate::error::{Error, real};
 use crate::math;
 use crate::points::curve::Curve;
-use crate::points::modulation::Modulation;
+use crate::points::modulation::{Modulation, ROUNDING};
 use crate::scene::{distance, figures};
-
-/// Tolerance of times, relative to a frame or a period, so that rounding errors never decide whether a time is before or after
-/// a jump.
-pub(super) const ROUNDING: f64 = 1e-9;
 
 /// Largest coordinate in m; points farther away are rejected.
 pub const FARTHEST: f64 = 1e6;

@@ -261,12 +261,12 @@ impl Session {
         };
         let Task { solver, balance, .. } = &self.task;
         let mut beyond = problem.beyond_alone();
-        let look = beyond.is_none() && problem.is_doubtful() && !self.looked;
-        if look {
+        let first = beyond.is_none() && problem.is_doubtful() && !self.looked;
+        if first {
             beyond = problem.beyond(&mut Control::none()).ok().flatten();
         }
         let mut remarks = remarks(problem, &**solver, *balance, Some(&self.last), solution, beyond);
-        self.looked |= look;
+        self.looked |= first;
         for (reported, remark) in self.reported.iter_mut().zip(&mut remarks) {
             *remark = remark.filter(|_| !*reported);
             *reported |= remark.is_some();
