@@ -63,7 +63,8 @@ impl Studio {
             let pressures = midair::field(model, drive, points, &mut Control::none())?;
             let moduli = pressures.iter().map(|p| f64::from(p.norm()));
             let there = |j: usize| targets.is_none_or(|targets| targets[frame * count + j] > 0.0);
-            let least = moduli.clone().enumerate().filter(|&(j, _)| there(j)).fold(f64::INFINITY, |least, (_, p)| least.min(p));
+            let least =
+                moduli.clone().enumerate().filter(|&(j, _)| there(j)).fold(f64::INFINITY, |least, (_, p)| least.min(p));
             reported.extend([turned, least, moduli.fold(0.0, f64::max)]);
             before = Some(drive);
         }

@@ -1,32 +1,15 @@
-/** Notices: errors and warnings as values, with a code and the values of their sentence. */
+/** Notices: the sentences of errors and warnings, by their codes. */
 
 // notices.json has, by code, the English sentence of the page's own notices and the Japanese sentence of all. The codes of the
 // core, and their English sentences, are its own (docs/errors.md).
 
 import sentences from "./notices.json";
+import { type Notice, type Put, Refusal } from "./refusal.ts";
+
+export { type Notice, type Put, Refusal } from "./refusal.ts";
 
 /** A code of the core or of the page. */
 export type Code = keyof typeof sentences;
-
-/** Values of a sentence; a notice among them is translated, too. */
-export type Put = Record<string, string | number | null | Notice>;
-
-/** An error or a warning. `plain` is its English text without a place in a file and without an example. */
-export interface Notice {
-  code: Code | "";
-  text: string;
-  plain: string;
-  /** The file and the line, or "". */
-  place: string;
-  put: Put;
-}
-
-/** An error that has a notice. */
-export class Refusal extends Error {
-  constructor(readonly notice: Notice) {
-    super(notice.text);
-  }
-}
 
 /** Returns a sentence with its values; `shown` writes a notice among them. */
 const filled = (sentence: string, put: Put, shown: (notice: Notice) => string) =>
@@ -35,15 +18,15 @@ const filled = (sentence: string, put: Put, shown: (notice: Notice) => string) =
     return typeof value === "object" && value ? shown(value) : String(value ?? "");
   });
 
-/** Returns a notice of the page. */
-export function notice(code: Code, put: Put = {}): Notice {
-  const text = filled(sentences[code][0], put, ({ text }) => text);
-  return { code, text, plain: text, place: "", put };
+/** Returns a notice of the page, about a file if it is given. */
+export function notice(code: Code, put: Put = {}, place = ""): Notice {
+  const plain = filled(sentences[code][0], put, ({ text }) => text);
+  return { code, text: place ? `${place}: ${plain}` : plain, plain, place, put };
 }
 
 /** Throws a notice of the page. */
-export function refuse(code: Code, put: Put = {}): never {
-  throw new Refusal(notice(code, put));
+export function refuse(code: Code, put: Put = {}, place = ""): never {
+  throw new Refusal(notice(code, put, place));
 }
 
 /** Returns the notice of any error; `place` is where it was met, unless it has a place of its own. */
@@ -55,5 +38,5 @@ export function noticeOf(error: unknown, place = ""): Notice {
 
 /** Returns the Japanese sentence of a notice, without its place; "" if it has none. */
 export function japanese({ code, put }: Notice): string {
-  return code && filled(sentences[code][1], put, (other) => japanese(other) || other.plain);
+  return code && filled(sentences[code as Code][1], put, (other) => japanese(other) || other.plain);
 }

@@ -1,6 +1,7 @@
 /** The WebAssembly binding as functions on plain data. Errors are thrown with a message of one line. */
 
-import { type Notice, refuse, Refusal } from "../state/notice.ts";
+import { refuse } from "../state/notice.ts";
+import { type Notice, Refusal } from "../state/refusal.ts";
 import type { OwnArray, Vec3 } from "../state/types.ts";
 
 /** A CSV file with more transducers is rejected. */
@@ -103,7 +104,7 @@ export interface Touch {
 }
 
 /**
- * The simulated motion of a bead: the time in s at which it was lost, or NaN; its largest distance from its path in m until
+ * The simulated motion of a bead: the time in s at which it was lost, or NaN; its largest distance from its point in m until
  * then; and its places (F, 3) in m at the frames of all laps.
  */
 export interface Flight {
@@ -205,7 +206,7 @@ export class Door {
     this.call("read_array");
     const rows = places(this.numbers());
     const count = rows.length / 2;
-    if (count > MOST_TRANSDUCERS) refuse("rows", { value: count, other: MOST_TRANSDUCERS });
+    if (count > MOST_TRANSDUCERS) refuse("rows", { value: count, other: MOST_TRANSDUCERS }, name);
     return { name, positions: rows.slice(0, count), normals: rows.slice(count) };
   }
 
