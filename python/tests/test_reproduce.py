@@ -230,7 +230,7 @@ def test_bad_requests_are_one_line(run: Command, tmp_path: Path) -> None:
     file = tmp_path / "file"
     file.touch()
     for arguments, words in (
-        (["fig8"], 'unknown figure "fig8": known are fig2, fig3'),
+        (["fig8"], 'unknown figure "fig8": did you mean fig2? known are fig2, fig3'),
         (["--trials", 0], "trials is 0: give 1 or more"),
         (["--trials", "many"], "trials"),
         (["--seed", -1], "seed"),
