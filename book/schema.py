@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from marked import table
 from midair._midair import directivities, scene_keys, sweep_keys
 
 ROOT = Path(__file__).parents[1]
@@ -160,15 +161,12 @@ def page() -> str:
         "[an editor](../editors.md) checks and completes keys by",
         "[scene.schema.json](../scene.schema.json).\n",
     ]
-    for table, keys in tables().items():
-        lines += [
-            f"## {f'`{table}`' if table else 'The file'}\n",
-            "| key | what | example |",
-            "|---|---|---|",
-        ]
-        for key, (example, about) in keys.items():
-            lines.append(f"| `{key}` | {about} | `{json.dumps(example, ensure_ascii=False)}` |")
-        lines.append("")
+    for path, keys in tables().items():
+        rows = (
+            (f"`{key}`", about, f"`{json.dumps(example, ensure_ascii=False)}`")
+            for key, (example, about) in keys.items()
+        )
+        lines += [f"## {f'`{path}`' if path else 'The file'}\n", table(("key", "what", "example"), rows)]
     return "\n".join(lines)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from html import escape
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, cast, get_args
 
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._sequence import animation
+from .._support import text
 from .._support.arguments import callback, whole
 
 if TYPE_CHECKING:
@@ -161,28 +161,18 @@ class Flight:
     def __repr__(self) -> str:
         lasts = 1e3 * (self.times[-1] - self.times[0])
         head = f"Flight of {lasts:.4g} ms: {int(self.held.sum())} of {len(self.lost)} held"
-        rows = [("bead", "point", "largest distance", "lost"), *self._rows()]
-        widths = [max(len(row[k]) for row in rows) for k in range(4)]
-        return "\n".join(
-            [head, *("  ".join(f"{cell:>{w}}" for cell, w in zip(row, widths, strict=True)) for row in rows)]
-        )
+        return f"{head}\n{text.plain(self._cells())}"
 
     def _repr_html_(self) -> str:
-        rows = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in self._rows())
-        head = "<tr><th>bead</th><th>point</th><th>largest distance</th><th>lost</th></tr>"
-        return f"<table>{head}{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"
+        return text.html(self._cells())
 
-    def _rows(self) -> list[tuple[str, str, str, str]]:
-        each = zip(self.beads, self.farthest, self.lost, strict=True)
-        return [
-            (
-                str(one),
-                str(point + 1),
-                f"{1e3 * far:.3f} mm",
-                "-" if np.isnan(lost) else f"after {1e3 * lost:.1f} ms",
-            )
-            for one, (point, far, lost) in enumerate(each, start=1)
-        ]
+    def _cells(self) -> dict[str, list[str]]:
+        return {
+            "bead": [str(one + 1) for one in range(len(self.lost))],
+            "point": [str(point + 1) for point in self.beads],
+            "largest distance": [f"{1e3 * far:.3f} mm" for far in self.farthest],
+            "lost": ["-" if np.isnan(lost) else f"after {1e3 * lost:.1f} ms" for lost in self.lost],
+        }
 
 
 def _across(flight: Flight) -> list[int]:

@@ -24,43 +24,6 @@ if TYPE_CHECKING:
 ARROWS, FAINT = 20, 0.05
 
 
-def draw(streaming: Streaming, ax: Axes | None, cmap: Map | None, size: Size | None) -> Axes:
-    """Draw the map of the force."""
-    from .._pictures.figures import colour_map, new_figure
-
-    field = streaming.field
-    if field.plane is None:
-        raise stated("the force", "is at single points", "a picture needs a midair.Plane")
-    if ax is None:
-        import matplotlib.pyplot as plt
-
-        empty = size is None and plt.get_fignums() and not plt.gca().has_data()
-        ax = plt.gca() if empty else new_figure(6.4, 4.8, size, plt.figure).subplots()
-    top = float(streaming.force.max())
-    image = paint(field, ax, streaming.force, colour_map(cmap, MAPS["pressure"]), (0.0, top or 1.0))
-    image.set_interpolation("bicubic")
-    across, up = sides(field)
-    every = max(field.plane.pixels // ARROWS, 1)
-    here = (slice(every // 2, None, every),) * 2
-    names = field.x, field.y, field.z
-    u, v = np.meshgrid(names[across], names[up])  # type: ignore[arg-type]
-    strong = streaming.force[here] > FAINT * top
-    ax.quiver(
-        1e3 * u[here][strong],
-        1e3 * v[here][strong],
-        streaming.direction[here][strong][:, across],
-        streaming.direction[here][strong][:, up],
-        color="white",
-        alpha=0.8,
-        scale=1.3 * ARROWS,
-        width=0.004,
-    )
-    ax.set_title(place(field), fontsize="medium")
-    label = f"force / (N/m³), absorption {streaming.absorption:.3g} Np/m"
-    ax.figure.colorbar(image, ax=ax, fraction=0.046, pad=0.03, label=label)
-    return ax
-
-
 #: Absorption of air in Np/m (1.3 dB/m), used if the scene has none, and the frequency range in Hz for which
 #: it holds.
 AIR, NEAR = 0.15, (35e3, 45e3)
@@ -119,7 +82,39 @@ class Streaming:
         SceneError
             If the colour map or the size is invalid, and for forces at single points.
         """
-        return draw(self, ax, cmap, size)
+        from .._pictures.figures import colour_map, new_figure
+
+        field = self.field
+        if field.plane is None:
+            raise stated("the force", "is at single points", "a picture needs a midair.Plane")
+        if ax is None:
+            import matplotlib.pyplot as plt
+
+            empty = size is None and plt.get_fignums() and not plt.gca().has_data()
+            ax = plt.gca() if empty else new_figure(6.4, 4.8, size, plt.figure).subplots()
+        top = float(self.force.max())
+        image = paint(field, ax, self.force, colour_map(cmap, MAPS["pressure"]), (0.0, top or 1.0))
+        image.set_interpolation("bicubic")
+        across, up = sides(field)
+        every = max(field.plane.pixels // ARROWS, 1)
+        here = (slice(every // 2, None, every),) * 2
+        names = field.x, field.y, field.z
+        u, v = np.meshgrid(names[across], names[up])  # type: ignore[arg-type]
+        strong = self.force[here] > FAINT * top
+        ax.quiver(
+            1e3 * u[here][strong],
+            1e3 * v[here][strong],
+            self.direction[here][strong][:, across],
+            self.direction[here][strong][:, up],
+            color="white",
+            alpha=0.8,
+            scale=1.3 * ARROWS,
+            width=0.004,
+        )
+        ax.set_title(place(field), fontsize="medium")
+        label = f"force / (N/m³), absorption {self.absorption:.3g} Np/m"
+        ax.figure.colorbar(image, ax=ax, fraction=0.046, pad=0.03, label=label)
+        return ax
 
 
 def streaming(

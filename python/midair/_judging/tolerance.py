@@ -131,43 +131,6 @@ FAULTS = {
 SPREAD = 0.3
 
 
-def draw(
-    tolerance: Tolerance, ax: Axes | None, panels: Panel | Iterable[Panel] | None, size: Size | None
-) -> Figure:
-    """Draw level and uniformity: a dot per trial, a line at the mean, a tick at the 5 % quantile."""
-    from .._pictures.figures import chosen, head, new_figure, whole
-
-    names = chosen(panels, PANELS, ax)
-    rows = list(tolerance.rows)
-    if ax is None:
-        figure: Figure = new_figure(4.5 * len(names), 1.8 + 0.5 * len(rows), size)
-        axes = list(figure.subplots(1, len(names), sharey=True, squeeze=False)[0])
-    else:
-        figure, axes = whole(ax), [ax]
-    aside = SPREAD * np.random.default_rng(0).uniform(-1, 1, tolerance.trials)
-    for one, what in zip(axes, names, strict=True):
-        for row, name in enumerate(rows):
-            values = getattr(tolerance.rows[name], what)
-            worse = np.quantile(values, PART)
-            one.scatter(values, row + aside, s=6, alpha=0.35, linewidths=0, color="tab:blue")
-            ends = row - 0.4, row + 0.4
-            one.vlines(values.mean(), *ends, color="black", label="" if row else "mean")
-            one.vlines(worse, *ends, color="tab:red", label="" if row else f"{PART:.0%} are worse")
-        one.set(xlabel=f"{what} kept")
-        one.axvline(1, color="lightgrey", zorder=0)
-        one.grid(axis="x", alpha=0.3)
-    labels = ["\n".join(filter(None, (name, tolerance._size(name)))) for name in rows]
-    axes[0].set_yticks(range(len(rows)), labels)
-    axes[0].invert_yaxis()
-    if ax is not None:
-        ax.legend()
-        return figure
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
-    played = "a drive" if tolerance.solution is None else tolerance.solution.solver
-    head(figure, f"{played}, {tolerance.trials} trials a row")
-    return figure
-
-
 #: The panels of the picture.
 Panel = Literal["level", "uniformity"]
 PANELS = get_args(Panel)
@@ -296,7 +259,37 @@ class Tolerance:
         SceneError
             If a panel or the size is invalid.
         """
-        return draw(self, ax, panels, size)
+        from .._pictures.figures import chosen, head, new_figure, whole
+
+        names = chosen(panels, PANELS, ax)
+        rows = list(self.rows)
+        if ax is None:
+            figure: Figure = new_figure(4.5 * len(names), 1.8 + 0.5 * len(rows), size)
+            axes = list(figure.subplots(1, len(names), sharey=True, squeeze=False)[0])
+        else:
+            figure, axes = whole(ax), [ax]
+        aside = SPREAD * np.random.default_rng(0).uniform(-1, 1, self.trials)
+        for one, what in zip(axes, names, strict=True):
+            for row, name in enumerate(rows):
+                values = getattr(self.rows[name], what)
+                worse = np.quantile(values, PART)
+                one.scatter(values, row + aside, s=6, alpha=0.35, linewidths=0, color="tab:blue")
+                ends = row - 0.4, row + 0.4
+                one.vlines(values.mean(), *ends, color="black", label="" if row else "mean")
+                one.vlines(worse, *ends, color="tab:red", label="" if row else f"{PART:.0%} are worse")
+            one.set(xlabel=f"{what} kept")
+            one.axvline(1, color="lightgrey", zorder=0)
+            one.grid(axis="x", alpha=0.3)
+        labels = ["\n".join(filter(None, (name, self._size(name)))) for name in rows]
+        axes[0].set_yticks(range(len(rows)), labels)
+        axes[0].invert_yaxis()
+        if ax is not None:
+            ax.legend()
+            return figure
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+        played = "a drive" if self.solution is None else self.solution.solver
+        head(figure, f"{played}, {self.trials} trials a row")
+        return figure
 
     def __repr__(self) -> str:
         return f"{columns.plain(self.cells())}\n{self.heading}"

@@ -30,37 +30,6 @@ Panel = Literal["gain", "phase", "residuals"]
 PANELS = get_args(Panel)
 
 
-def draw(
-    calibration: Calibration,
-    ax: Axes | None,
-    cmap: Map | None,
-    panels: Panel | Iterable[Panel] | None,
-    size: Size | None,
-) -> Figure:
-    """Draw gains and phases of the transducers from above, and the residuals of the readings."""
-    from .._pictures.figures import chosen, colour_map, new_figure, whole
-
-    names = chosen(panels, PANELS, ax)
-    if ax is None:
-        figure: Figure = new_figure(4.0 * len(names), 3.8, size)
-        axes = list(figure.subplots(1, len(names), squeeze=False)[0])
-    else:
-        figure, axes = whole(ax), [ax]
-    for one, name in zip(axes, names, strict=True):
-        if name == "residuals":
-            _residuals(calibration, one)
-        elif name == "gain":
-            colours = colour_map(cmap, MAPS["pressure"])
-            _over_array(calibration, one, calibration.gain, colours, (0.0, float(calibration.gain.max())))
-            one.set_title("gain", fontsize="medium")
-        else:
-            # The caller's colour map applies to the gains; phases need a cyclic one.
-            degrees = np.degrees(calibration.phase)
-            _over_array(calibration, one, degrees, MAPS["phase"], (-180.0, 180.0))
-            one.set_title("phase / degrees", fontsize="medium")
-    return figure
-
-
 def _residuals(calibration: Calibration, ax: Axes) -> None:
     for m, received in enumerate(np.abs(calibration.residuals).T):
         ax.plot(received, ".", markersize=3, label=f"microphone {m + 1}")
@@ -233,7 +202,27 @@ class Calibration:
         SceneError
             If the colour map, a panel or the size is invalid.
         """
-        return draw(self, ax, cmap, panels, size)
+        from .._pictures.figures import chosen, colour_map, new_figure, whole
+
+        names = chosen(panels, PANELS, ax)
+        if ax is None:
+            figure: Figure = new_figure(4.0 * len(names), 3.8, size)
+            axes = list(figure.subplots(1, len(names), squeeze=False)[0])
+        else:
+            figure, axes = whole(ax), [ax]
+        for one, name in zip(axes, names, strict=True):
+            if name == "residuals":
+                _residuals(self, one)
+            elif name == "gain":
+                colours = colour_map(cmap, MAPS["pressure"])
+                _over_array(self, one, self.gain, colours, (0.0, float(self.gain.max())))
+                one.set_title("gain", fontsize="medium")
+            else:
+                # The caller's colour map applies to the gains; phases need a cyclic one.
+                degrees = np.degrees(self.phase)
+                _over_array(self, one, degrees, MAPS["phase"], (-180.0, 180.0))
+                one.set_title("phase / degrees", fontsize="medium")
+        return figure
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write everything as .npz, or the corrected scene as .toml or .json.

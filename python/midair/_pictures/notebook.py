@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import base64
 import math
-import struct
 import warnings
-import zlib
 from collections.abc import Iterable, Sequence
 from html import escape
+from io import BytesIO
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _midair
 from .._midair import Array, Batch, Field, Scene, SceneWarning, Solution, SolverInfo
-from .._support.text import counted
+from .._support.text import counted, facts as _facts
 from .colours import loud, table
 
 #: Longer side of a picture in SVG units.
@@ -201,20 +200,12 @@ def slice_of(field: Field) -> str:
 
 def _image(shades: NDArray[np.uint8]) -> str:
     """Return a PNG of shades (rows, columns) in the field's colours, as a data URL."""
-    height, width = shades.shape
-    # In PNG a filter byte precedes each row; 0 means "none".
-    rows = np.pad(shades, ((0, 0), (1, 0))).tobytes()
-    parts = {
-        b"IHDR": struct.pack(">IIBBBBB", width, height, 8, 3, 0, 0, 0),
-        b"PLTE": table("field").tobytes(),
-        b"IDAT": zlib.compress(rows, 9),
-        b"IEND": b"",
-    }
-    chunks = (
-        struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
-        for name, data in parts.items()
-    )
-    text = base64.b64encode(b"\x89PNG\r\n\x1a\n" + b"".join(chunks)).decode()
+    from PIL import Image
+
+    picture, content = Image.fromarray(shades), BytesIO()
+    picture.putpalette(table("field").tobytes())
+    picture.save(content, "PNG")
+    text = base64.b64encode(content.getvalue()).decode()
     return f"data:image/png;base64,{text}"
 
 
@@ -373,12 +364,6 @@ def batch(batch: Batch) -> str:
 
 def _count(table: object) -> int:
     return np.size(np.asarray(table))
-
-
-def _facts(*rows: tuple[str, object]) -> str:
-    """Return an HTML table of names and values."""
-    cells = (f"<tr><th>{_cell(name)}</th><td>{_cell(value)}</td></tr>" for name, value in rows)
-    return f"<table>{''.join(cells)}</table>"
 
 
 def _table(rows: Sequence[Iterable[object]], names: Sequence[str], count: int | None = None) -> str:

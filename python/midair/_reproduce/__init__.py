@@ -63,7 +63,7 @@ def reproduce(
         Number of random scenes of figs. 3 and 4, and of random orders of fig. 7. Timing takes at most 15
         rounds.
     scheduler
-        Address of a Dask scheduler for all work except timing, which runs on this machine.
+        Address of a Dask scheduler for all random trials; single scenes and timing run on this machine.
     progress
         Called with the name of each figure; returns a context manager that yields a function of (items done,
         items).

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import io
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
@@ -13,10 +14,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from .. import _midair
-from .._midair import Array, Plane, Scene
+from .._midair import Array, Plane, Scene, SceneWarning, Solution
 from .._pictures.figures import FONTS
 from .._support import output
-from .._support.cache import Arrays
 from . import tables
 from .scenes import PITCH, Method, Options, Z
 
@@ -72,30 +72,16 @@ def scene(points: list[list[float]], target: float) -> Scene:
     return Scene(Array.grid(SIDE, SIDE, PITCH, source_pressure=1e-3), points, target)
 
 
-def settings(points: list[list[float]], target: float, solver: str, options: Options, size: float) -> Options:
-    """Return the settings of `solve_field` for a picture of `size` m in steps of 0.5 mm."""
-    return {
-        "points": points,
-        "target": target,
-        "solver": solver,
-        "options": options,
-        "size": size,
-        "pixels": round(size / 0.5e-3) + 1,
-    }
-
-
-def solve_field(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
-    """Return |p|^2 in the plane (1, pixels, pixels), |p| at the points (1, M), and metrics (1,)."""
-    requested = scene(settings["points"], settings["target"])
-    solution = _midair.solve(requested, settings["solver"], **settings["options"])
-    plane = Plane(Z, settings["size"], settings["pixels"])
-    pressure = _midair.field(requested, solution.drive, plane).pressure
-    names = ("accuracy", "sigma", "uniformity", "residual")
-    return {
-        "field": np.abs(pressure)[None].astype(np.float64) ** 2,
-        "pressures": np.abs(solution.pressures)[None].astype(np.float64),
-        **{name: np.array([getattr(solution.metrics, name)]) for name in names},
-    }
+def solved(
+    points: list[list[float]], target: float, solver: str, options: Options, size: float
+) -> tuple[Solution, NDArray[np.float64]]:
+    """Solve a scene; return the solution, and |p|^2 in a plane of `size` m in steps of 0.5 mm."""
+    requested, plane = scene(points, target), Plane(Z, size, round(size / 0.5e-3) + 1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SceneWarning)
+        solution = _midair.solve(requested, solver, **options)
+        pressure = _midair.field(requested, solution.drive, plane).pressure
+    return solution, np.abs(pressure).astype(np.float64) ** 2
 
 
 def picture(axes: Axes, field: NDArray[np.float64], size: float, top: float) -> AxesImage:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
 from matplotlib.figure import Figure
 
-from .._sweep.engine import Job
 from . import drawing, scenes, tables
 from .scenes import PANELS
 from .tables import Found, Run, Verdict, outcome
 
 SIZE = 0.1
+METRICS = ("accuracy", "sigma", "uniformity", "residual")
 
 #: A point counts as lost if its |p| is below this fraction of the mean over the points.
 LOST = 0.5
@@ -17,36 +18,22 @@ LOST = 0.5
 
 def collect(run: Run) -> Found:
     """Return a row for each method and point, and the fields."""
-    points = scenes.smiley()
-    jobs = [
-        Job(
-            drawing.solve_field,
-            drawing.settings(points, 1.0, method.solver, method.options, SIZE),
-            0,
-            1,
-            method.key,
-        )
-        for method in PANELS
-    ]
-    found = run.gather(jobs)
+    points, fields = scenes.smiley(), {}
     rows: tables.Rows = []
-    for method in PANELS:
-        mine = found[method.key]
-        for index, ((x, y, _), pressure) in enumerate(zip(points, mine["pressures"][0], strict=True)):
-            rows.append(
-                {
-                    "method": method.key,
-                    "label": method.label,
-                    "point": index,
-                    "x_mm": x * 1e3,
-                    "y_mm": y * 1e3,
-                    "pressure": float(pressure),
-                    **{
-                        name: float(mine[name][0]) for name in ("accuracy", "sigma", "uniformity", "residual")
-                    },
-                }
-            )
-    return Found(rows, {key: found[key]["field"][0] for key in tables.labels(rows)})
+    for done, method in enumerate(PANELS):
+        run.tell(done, len(PANELS))
+        solution, fields[method.key] = drawing.solved(points, 1.0, method.solver, method.options, SIZE)
+        metrics = {name: getattr(solution.metrics, name) for name in METRICS}
+        for index, ((x, y, _), pressure) in enumerate(zip(points, np.abs(solution.pressures), strict=True)):
+            row = {
+                "method": method.key,
+                "label": method.label,
+                "point": index,
+                "x_mm": x * 1e3,
+                "y_mm": y * 1e3,
+            }
+            rows.append({**row, "pressure": float(pressure), **metrics})
+    return Found(rows, fields)
 
 
 def draw(found: Found) -> Figure:

@@ -77,7 +77,7 @@ def _width(line: NDArray[np.float32]) -> float:
 
 def collect(run: Run) -> Found:
     """Return a row for each panel, and its field. Random orders: the row covers all, the field shows one."""
-    jobs = []
+    jobs, fields = [], {}
     for panel, target, order, balance in PANELS:
         options: Options = {"order": order, "balance": balance}
         settings = {"target": target, "options": options, "seed": run.seed}
@@ -86,12 +86,11 @@ def collect(run: Run) -> Found:
             Job(measure, settings, start, min(start + CHUNK, trials), panel)
             for start in range(0, trials, CHUNK)
         ]
-        shown = drawing.settings(POINT, target, "greedy", {**options, "seed": run.seed}, SIZE)
-        jobs.append(Job(drawing.solve_field, shown, 0, 1, (panel, "field")))
-    found = run.gather(jobs)
+        _, fields[panel] = drawing.solved(POINT, target, "greedy", {**options, "seed": run.seed}, SIZE)
+    measured = run.gather(jobs)
     rows: tables.Rows = []
     for panel, target, order, balance in PANELS:
-        mine = found[panel]
+        mine = measured[panel]
         widths = np.maximum(mine["width_x"], mine["width_y"])
         rows.append(
             {
@@ -109,7 +108,7 @@ def collect(run: Run) -> Found:
                 "pressure": float(np.median(mine["pressure"])),
             }
         )
-    return Found(rows, {panel: found[panel, "field"]["field"][0] for panel, *_ in PANELS})
+    return Found(rows, fields)
 
 
 def draw(found: Found) -> Figure:

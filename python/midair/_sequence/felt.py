@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from html import escape
 from math import ceil, log10, pi, sqrt
 from typing import Any
 
@@ -13,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _midair
 from .._midair import numbers
+from .._support.text import Facts
 from .envelope import Envelope
 
 #: Samples per second of the envelope. Frequencies above half of it alias, at least 30 dB weaker.
@@ -95,8 +95,8 @@ def threshold(frequency: ArrayLike) -> NDArray[np.float64]:
     return least
 
 
-@dataclass(frozen=True, eq=False)
-class Felt:
+@dataclass(frozen=True, eq=False, repr=False)
+class Felt(Facts):
     """Force in mN, or radiation pressure in Pa, in time and by frequency; from `Sequence.felt`.
 
     Attributes
@@ -143,13 +143,6 @@ class Felt:
         From Verrillo 1963 and Bolanowski et al. 1988. `midair.skin` compares displacements with it.
         """
         return threshold(self.frequencies)
-
-    def __repr__(self) -> str:
-        return "\n".join(f"{name:18}  {value}" for name, value in self._rows())
-
-    def _repr_html_(self) -> str:
-        rows = (f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in self._rows())
-        return f"<table>{''.join(rows)}</table>"
 
     def _rows(self) -> list[tuple[str, str]]:
         reported = [

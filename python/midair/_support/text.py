@@ -9,6 +9,7 @@ import io
 import tomllib
 import zipfile
 import zlib
+from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from html import escape
 from os import PathLike
@@ -214,6 +215,26 @@ def plain(columns: Mapping[str, list[str]]) -> str:
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     texts = ["  ".join(map(str.ljust, line, widths)).rstrip() for line in lines]
     return "\n".join([texts[0], "-" * (sum(widths) + 2 * (len(widths) - 1)), *texts[1:]])
+
+
+def facts(*rows: tuple[str, object]) -> str:
+    """Return names and values as an HTML table."""
+    cells = (f"<tr><th>{escape(name)}</th><td>{escape(str(value))}</td></tr>" for name, value in rows)
+    return f"<table>{''.join(cells)}</table>"
+
+
+class Facts(ABC):
+    """Base class of results that print as lines of a name and a value."""
+
+    @abstractmethod
+    def _rows(self) -> list[tuple[str, str]]:
+        """Return the names and values."""
+
+    def __repr__(self) -> str:
+        return "\n".join(f"{name:18}  {value}" for name, value in self._rows())
+
+    def _repr_html_(self) -> str:
+        return facts(*self._rows())
 
 
 def html(columns: Mapping[str, list[str]], caption: str = "") -> str:

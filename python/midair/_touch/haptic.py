@@ -6,7 +6,6 @@ import math
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from html import escape
 from typing import Any
 
 import numpy as np
@@ -30,6 +29,7 @@ from .._sequence.arguments import time_constant
 from .._sequence.drives import lowered
 from .._sequence.request import bound
 from .._support.arguments import number, refused, warn, word
+from .._support.text import Facts
 from ..path import Path
 from .membrane import model_of
 from .schedule import SPEEDS, Curve, Foci, Technique, moving, usual
@@ -54,8 +54,8 @@ MODEL = ("speed", "loss", "mass", "reach", "tau")
 LOWERINGS = 20
 
 
-@dataclass(frozen=True, eq=False)
-class Haptic:
+@dataclass(frozen=True, eq=False, repr=False)
+class Haptic(Facts):
     """Shape to be felt, and its predicted strength; from `midair.haptic`, a model (docs/touch.md).
 
     Attributes
@@ -100,13 +100,6 @@ class Haptic:
         """Gain in dB over the best of the usual techniques, of the quantity that the aim maximises."""
         reached = self.strength if self.aim == "strong" else self.weakest
         return reached - max(self.standards.values())
-
-    def __repr__(self) -> str:
-        return "\n".join(f"{name:18}  {value}" for name, value in self._rows())
-
-    def _repr_html_(self) -> str:
-        rows = (f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in self._rows())
-        return f"<table>{''.join(rows)}</table>"
 
     def _rows(self) -> list[tuple[str, str]]:
         level = f"{self.strength:.1f} dB above threshold, {self.weakest:.1f} dB where it is weakest"

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from html import escape
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
@@ -27,6 +26,7 @@ from .._pictures.colours import MAPS
 from .._sequence import Sequence, arguments
 from .._sequence.felt import threshold
 from .._support.arguments import refused, vector
+from .._support.text import Facts
 from .membrane import LOSS, MASS, SPEED, model_of, on_mesh, squares, triangles
 
 if TYPE_CHECKING:
@@ -134,8 +134,8 @@ def skin(
     return Skin(places, hand, pressure.astype(np.float64), frequencies, displacement, slow, fast)
 
 
-@dataclass(frozen=True, eq=False)
-class Skin:
+@dataclass(frozen=True, eq=False, repr=False)
+class Skin(Facts):
     """Motion of the skin at each spectral line, and its felt strength; from `midair.skin`.
 
     Attributes
@@ -363,13 +363,6 @@ class Skin:
     def _width(self, values: NDArray[np.float64], place: ArrayLike | None) -> float:
         middle = int(values.argmax()) if place is None else self._nearest(place)
         return felt_width(values, self.places, middle)
-
-    def __repr__(self) -> str:
-        return "\n".join(f"{name:18}  {value}" for name, value in self._rows())
-
-    def _repr_html_(self) -> str:
-        rows = (f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in self._rows())
-        return f"<table>{''.join(rows)}</table>"
 
     def _rows(self) -> list[tuple[str, str]]:
         best = int(self.strength.argmax())
