@@ -27,8 +27,15 @@ pub struct Motion {
     pub pace: Pace,
     /// The number of later frames with which each frame is chosen together; `None` for all.
     pub ahead: Option<usize>,
-    /// The document's text, its format and its name, for the places of errors.
-    document: (String, Format, String),
+    document: Document,
+}
+
+/// The text of a document and its name, for the places of errors.
+#[derive(Clone, Debug)]
+struct Document {
+    text: String,
+    format: Format,
+    name: String,
 }
 
 impl Motion {
@@ -50,12 +57,12 @@ impl Motion {
     /// anything else.
     #[must_use]
     pub fn placed(&self, error: &Error) -> Option<Error> {
-        let (text, format, _) = &self.document;
+        let Document { text, format, .. } = &self.document;
         place::whole(text, *format, &format!("motion.{}", error.item)).map(|_| self.located(error.clone()))
     }
 
     fn located(&self, error: Error) -> Error {
-        let (text, format, name) = &self.document;
+        let Document { text, format, name } = &self.document;
         let path = format!("motion.{}", error.item);
         Fault::at(path.as_str(), error.about(path.as_str())).reported(text, *format, Source { name, folder: None })
     }
@@ -67,15 +74,15 @@ const RESTING: [&str; 3] = ["points", "shape", "image"];
 /// Reads the motion of a document; `None` if it has no `[motion]`.
 pub(super) fn motion(
     text: &str,
-    document: &Node,
+    node: &Node,
     format: Format,
     source: Source<'_>,
     draw: &mut Draw<'_>,
 ) -> Result<Option<Motion>, Fault> {
-    if document.get("motion").is_none() {
+    if node.get("motion").is_none() {
         return Ok(None);
     }
-    let root = Item::root(document).table()?;
+    let root = Item::root(node).table()?;
     if let Some(item) = RESTING.iter().find_map(|name| root.get(name)) {
         return Err(item.refused("points that move stand in [motion]: leave it out"));
     }
@@ -96,7 +103,8 @@ pub(super) fn motion(
     pace.fits(&path).map_err(about)?;
     let points = path.moments(0.0).map(|moment| moment.place).collect();
     let scene = read::at(&root, points, Request::default(), source, draw)?;
-    Ok(Some(Motion { scene, path, pace, ahead, document: (text.into(), format, source.name.into()) }))
+    let document = Document { text: text.into(), format, name: source.name.into() };
+    Ok(Some(Motion { scene, path, pace, ahead, document }))
 }
 
 /// Returns the path through the frames of a file, or all paths at the same time.

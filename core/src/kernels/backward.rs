@@ -28,6 +28,14 @@ use crate::kernels::waves::{Emitters, Slopes, Waves, against, decay, even};
 /// Number of blocks of eight transducers between two checks for a stop.
 const RUN: usize = 32;
 
+/// Transducers, or their images in a wall, with their drives.
+#[derive(Clone, Copy)]
+pub(crate) struct Senders<'a> {
+    pub(crate) waves: &'a Waves,
+    pub(crate) emitters: &'a [Emitters],
+    pub(crate) drives: &'a [[Eight; 2]],
+}
+
 /// Values of eight transducers at one point, stored by the forward pass for the backward pass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sent {
@@ -67,9 +75,7 @@ impl Pull {
 /// needs.
 pub(crate) fn forth(
     set: InstructionSet,
-    waves: &Waves,
-    emitters: &[Emitters],
-    drives: &[[Eight; 2]],
+    Senders { waves, emitters, drives }: Senders<'_>,
     point: [f64; 3],
     sent: &mut [Sent],
     control: &mut Control,
@@ -133,9 +139,9 @@ fn send<S: Doubles>(s: S, waves: &Waves, block: &Emitters, at: usize, point: [f6
 /// adds those with respect to the transducers to `pulls`.
 pub(crate) fn back(
     set: InstructionSet,
-    waves: &Waves,
-    (emitters, drives): (&[Emitters], &[[Eight; 2]]),
-    (point, cotangent): ([f64; 3], [f64; 2]),
+    Senders { waves, emitters, drives }: Senders<'_>,
+    point: [f64; 3],
+    cotangent: [f64; 2],
     sent: &[Sent],
     pulls: &mut [Pull],
     control: &mut Control,
@@ -150,7 +156,7 @@ pub(crate) fn back(
                 let mut sum = loaded(s, &sums, at);
                 for (((block, drive), sent), pull) in blocks.iter().zip(drives).zip(sent).zip(pulls.iter_mut()) {
                     let drive = loaded(s, drive, at);
-                    let terms = pulled(s, waves, (block, at), (point, w, drive), sent, pull);
+                    let terms = pulled(s, waves, block, at, point, w, drive, sent, pull);
                     for k in 0..4 {
                         sum[k] = sum[k] + terms[k];
                     }
@@ -164,12 +170,16 @@ pub(crate) fn back(
     Ok(sums.map(total))
 }
 
+#[allow(clippy::too_many_arguments, reason = "part of a kernel")]
 #[inline(always)]
 fn pulled<S: Doubles>(
     s: S,
     waves: &Waves,
-    (block, at): (&Emitters, usize),
-    (point, w, q): ([f64; 3], [V<S>; 2], [V<S>; 2]),
+    block: &Emitters,
+    at: usize,
+    point: [f64; 3],
+    w: [V<S>; 2],
+    q: [V<S>; 2],
     sent: &Sent,
     pull: &mut Pull,
 ) -> [V<S>; 4] {

@@ -19,9 +19,9 @@ use alloc::vec::Vec;
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::kernels::backward::Pull;
+use crate::kernels::backward::{Pull, Senders};
 use crate::kernels::derivatives::{TERMS, expand};
-use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, list, loaded, ray, runs, total};
+use crate::kernels::simd::doubles::{Doubles, EIGHT, V, dot, list, loaded, ray, runs, total};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::waves::{C, Emitters, Slopes, Waves};
 
@@ -48,9 +48,9 @@ pub(crate) struct Weights {
 /// respect to the transducers to `pulls`. The sums have the first `COUNT` Taylor coefficients.
 pub(crate) fn contract<const COUNT: usize>(
     set: InstructionSet,
-    waves: &Waves,
-    (emitters, drives): (&[Emitters], &[[Eight; 2]]),
-    (point, weights): ([f64; 3], &Weights),
+    Senders { waves, emitters, drives }: Senders<'_>,
+    point: [f64; 3],
+    weights: &Weights,
     pulls: &mut [Pull],
     control: &mut Control,
 ) -> Result<[f64; 4], Error> {
@@ -61,7 +61,7 @@ pub(crate) fn contract<const COUNT: usize>(
             for ((block, drive), pull) in blocks.iter().zip(drives).zip(pulls.iter_mut()) {
                 for at in runs(s) {
                     let drive = loaded(s, drive, at);
-                    let terms = contracted::<_, COUNT>(s, waves, (block, at), (point, drive, weights), pull);
+                    let terms = contracted::<_, COUNT>(s, waves, block, at, point, drive, weights, pull);
                     for k in 0..4 {
                         terms[k].onto(&mut sums[k][at..]);
                     }
@@ -72,12 +72,16 @@ pub(crate) fn contract<const COUNT: usize>(
     Ok(sums.map(total))
 }
 
+#[allow(clippy::too_many_arguments, reason = "part of a kernel")]
 #[inline(always)]
 fn contracted<S: Doubles, const COUNT: usize>(
     s: S,
     waves: &Waves,
-    (block, at): (&Emitters, usize),
-    (point, q, weights): ([f64; 3], C<S>, &Weights),
+    block: &Emitters,
+    at: usize,
+    point: [f64; 3],
+    q: C<S>,
+    weights: &Weights,
     pull: &mut Pull,
 ) -> [V<S>; 4] {
     let c = expand::<S, COUNT>(s, waves, &waves.slopes, block, at, point);

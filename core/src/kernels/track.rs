@@ -8,18 +8,24 @@ pub(crate) const fn advance_floats(levels: usize, reach: usize) -> usize {
     2 * (levels + 2 * reach)
 }
 
-/// out_l = max over |d| <= `reach` of from_{l+d} (indices on a circle), less `base`, plus re cos_l + im sin_l of the
-/// `circle`. Every instruction set gives the same bits. The time is O(L log reach): the maximum of a window is that of
+/// The gain of each phase: re cos + im sin of the `wave` and the `circle`, less `base`.
+pub(crate) struct Gain<'a> {
+    pub(crate) base: f32,
+    pub(crate) wave: [f32; 2],
+    pub(crate) circle: [&'a [f32]; 2],
+}
+
+/// out_l = max over |d| <= `reach` of from_{l+d} (indices on a circle), plus the gain of l. Every instruction set gives the same bits. The time is O(L log reach): the maximum of a window is that of
 /// two windows of half its width.
 pub(crate) fn advance(
     set: InstructionSet,
     from: &[f32],
     reach: usize,
-    (base, [re, im], circle): (f32, [f32; 2], [&[f32]; 2]),
+    gain: Gain<'_>,
     memory: &mut [f32],
     out: &mut [f32],
 ) {
-    dispatch!(set, s => step(s, from, reach, (base, [re, im], circle), memory, out));
+    dispatch!(set, s => step(s, from, reach, gain, memory, out));
 }
 
 #[inline(always)]
@@ -27,7 +33,7 @@ fn step<S: Simd>(
     _: S,
     from: &[f32],
     reach: usize,
-    (base, [re, im], [cos, sin]): (f32, [f32; 2], [&[f32]; 2]),
+    Gain { base, wave: [re, im], circle: [cos, sin] }: Gain<'_>,
     memory: &mut [f32],
     out: &mut [f32],
 ) {

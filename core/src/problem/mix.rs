@@ -38,7 +38,7 @@ const NEAR: f32 = 5e-4;
 const LEFT: f32 = 0.15;
 
 /// With at least this many transducers for each point, amplitudes are drawn at random first.
-const DRAWN: usize = 32;
+const RANDOM: usize = 32;
 
 /// A point may exceed its target by this part because of rounding.
 const SLACK: f32 = 5e-5;
@@ -93,9 +93,9 @@ pub(crate) fn mix<'w>(
     let mut parts = work.floats.take(drive.len());
     // With few points, random amplitudes are accurate enough or nearly so. With more points, random amplitudes are never
     // accurate enough: the choices of the transducers begin at once.
-    let drawn = drive.len() >= DRAWN * count;
+    let random = drive.len() >= RANDOM * count;
     let mut met = false;
-    if drawn {
+    if random {
         let (mut rng, share) = (Rng::new(0), f64::from((aim - below) / (above - below)));
         parts.fill_with(|| if rng.uniform() < share { above } else { below });
         let mut mixed = work.complexes.take(drive.len());
@@ -120,7 +120,7 @@ pub(crate) fn mix<'w>(
         let range = chunk * CHUNK..drive.len().min((chunk + 1) * CHUNK);
         let (set, rows) = (propagation.instruction_set(), propagation.rows());
         dither::choose(set, rows, (range, drive), points.planes(), &mut parts, [below, above], control).ok()?;
-        met = (drawn || visit + 1 >= chunks) && meets(&points, aim, near);
+        met = (random || visit + 1 >= chunks) && meets(&points, aim, near);
         if met {
             break;
         }

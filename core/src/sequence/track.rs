@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::InstructionSet;
-use crate::kernels::track::{advance, advance_floats};
+use crate::kernels::track::{Gain, advance, advance_floats};
 use crate::math::phasor;
 
 /// A device's phases 2 pi l / L, and the largest change of a transducer's phase from one frame to the next.
@@ -134,7 +134,7 @@ impl<'a> Tracker<'a> {
         let Circle { levels, reach, cos, sin } = self.circle;
         let rows = self.best.get_disjoint_mut([from * levels..(from + 1) * levels, to * levels..(to + 1) * levels]);
         let [from, out] = rows.expect("two frames");
-        let gain = (from[base], [re[to], im[to]], [&cos[..], &sin[..]]);
+        let gain = Gain { base: from[base], wave: [re[to], im[to]], circle: [cos, sin] };
         advance(self.set, from, *reach, gain, &mut self.memory, out);
     }
 

@@ -87,21 +87,22 @@ impl Batch {
         Self { problems, all }
     }
 
-    /// Asserts that an interleaved batch (`together`) and the single solve of problem `lane` gave the same bits.
+    /// Asserts that an interleaved batch (`drives` and `fields`) and the single solve of problem `lane` gave the same bits.
     pub(super) fn assert_same(
         &self,
         lane: usize,
         drive: &[num_complex::Complex32],
         [re, im]: [&[f32]; 2],
-        together: (&[f32], [&[f32]; 2]),
+        drives: &[f32],
+        fields: [&[f32]; 2],
     ) {
         let of = |list: &[f32], k: usize| list[k * LANES + lane].to_bits();
         for (i, q) in drive.iter().enumerate() {
-            let other = [of(together.0, 2 * i), of(together.0, 2 * i + 1)];
+            let other = [of(drives, 2 * i), of(drives, 2 * i + 1)];
             assert_eq!([q.re.to_bits(), q.im.to_bits()], other, "drive {i} of problem {lane}");
         }
         for j in 0..self.problems[lane].points {
-            let other = [of(together.1[0], j), of(together.1[1], j)];
+            let other = [of(fields[0], j), of(fields[1], j)];
             assert_eq!([re[j].to_bits(), im[j].to_bits()], other, "point {j} of problem {lane}");
         }
     }

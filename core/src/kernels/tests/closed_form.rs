@@ -17,7 +17,8 @@ use crate::kernels::tests::wide;
 pub(super) fn alone(
     set: InstructionSet,
     lists: &Lists,
-    (block, phases): (usize, Option<&Phases>),
+    block: usize,
+    phases: Option<&Phases>,
     mut report: impl FnMut(usize, usize, [&[f32]; 2]),
 ) -> (Vec<Complex32>, [Vec<f32>; 2]) {
     let mut drive = vec![Complex32::ZERO; TRANSDUCERS];
@@ -58,7 +59,7 @@ fn every_block_takes_the_phases_of_the_formula() {
             for block in [1, 3, MOST] {
                 let lists = &Batch::new(1, points).problems[0];
                 let mut fields = Vec::new();
-                alone(set, lists, (block, None), |_, _, [re, im]| {
+                alone(set, lists, block, None, |_, _, [re, im]| {
                     let pairs = re.iter().zip(im);
                     fields.push(pairs.map(|(&re, &im)| Complex64::new(wide(re), wide(im))).collect::<Vec<_>>());
                 });
@@ -101,7 +102,7 @@ fn every_block_takes_the_phases_of_the_formula() {
 fn drives_are_unit_phasors_and_the_field_is_theirs() {
     each(|set, batch, _| {
         for lists in &batch.problems {
-            let (drive, [re, im]) = alone(set, lists, (MOST, None), |_, _, _| ());
+            let (drive, [re, im]) = alone(set, lists, MOST, None, |_, _, _| ());
             for q in &drive {
                 assert!((q.norm() - 1.0).abs() < 1e-6, "{set}: |q| = {}", q.norm());
             }
@@ -152,7 +153,7 @@ fn on_a_board_every_drive_has_one_of_its_phases_and_the_field_is_theirs() {
         for points in [1, 3, 4, 7, 16, 40] {
             let lists = &Batch::new(1, points).problems[0];
             let (free, board) =
-                (alone(set, lists, (1, None), |_, _, _| ()), alone(set, lists, (1, Some(&phases)), |_, _, _| ()));
+                (alone(set, lists, 1, None, |_, _, _| ()), alone(set, lists, 1, Some(&phases), |_, _, _| ()));
             for (i, q) in board.0.iter().enumerate() {
                 let code = f64::from(q.im).atan2(f64::from(q.re)) * COUNT / core::f64::consts::TAU;
                 assert!(q.norm() == 0.0 || (code - code.round()).abs() < 1e-5, "{set}: drive {i} is {q}");

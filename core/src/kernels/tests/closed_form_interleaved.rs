@@ -37,8 +37,8 @@ fn every_lane_has_the_bits_of_its_single_sweep() {
                 sweep(set, task, order(), &mut drive, [re, im]);
             }
             for (lane, lists) in batch.problems.iter().enumerate() {
-                let (single, [re, im]) = alone(set, lists, (block, phases), |_, _, _| ());
-                batch.assert_same(lane, &single, [&re, &im], (&drive, [&field[0], &field[1]]));
+                let (single, [re, im]) = alone(set, lists, block, phases, |_, _, _| ());
+                batch.assert_same(lane, &single, [&re, &im], &drive, [&field[0], &field[1]]);
                 lists.assert_field(&widened(&single), &re, &im);
             }
         }

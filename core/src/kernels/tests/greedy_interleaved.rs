@@ -36,7 +36,7 @@ fn every_lane_has_the_bits_of_its_single_pass() {
             pass(set, pass_over, search, batch.problems.len(), &mut drive, [re, im]);
             for (lane, lists) in batch.problems.iter().enumerate() {
                 let (single, [re, im], _) = alone::<L2>(set, lists, &candidates, |_, _| true);
-                batch.assert_same(lane, &single, [&re, &im], (&drive, [&field[0], &field[1]]));
+                batch.assert_same(lane, &single, [&re, &im], &drive, [&field[0], &field[1]]);
                 lists.assert_field(&widened(&single), &re, &im);
             }
         }

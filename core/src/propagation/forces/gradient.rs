@@ -18,7 +18,7 @@ use num_complex::Complex64;
 use crate::control::{Control, bytes};
 use crate::error::{Error, one_each};
 use crate::kernels::InstructionSet;
-use crate::kernels::backward::{Pull, Sent, back, forth};
+use crate::kernels::backward::{Pull, Senders, Sent, back, forth};
 use crate::kernels::contraction::contract;
 use crate::kernels::derivatives::{MORE_TERMS, TERMS};
 use crate::kernels::simd::doubles::{EIGHT, Eight};
@@ -126,6 +126,12 @@ struct Seen<'a> {
     driven: Option<Taylor>,
     /// The unit vectors as mirrored by the walls.
     axes: [[f64; 3]; 3],
+}
+
+impl Seen<'_> {
+    fn senders(&self) -> Senders<'_> {
+        Senders { waves: &self.waves.waves, emitters: &self.waves.emitters, drives: &self.drives }
+    }
 }
 
 /// The field of a drive, prepared for the points.
@@ -292,8 +298,7 @@ impl<'a> Pass<'a> {
         let least = self.medium.wavelength() / 100.0;
         let mut p = Complex64::ZERO;
         for (seen, sent) in self.all.iter().zip(&mut *sent) {
-            let Taylor { waves, emitters, .. } = &seen.waves;
-            let ([re, im], near) = forth(self.set, waves, emitters, &seen.drives, point, sent, control)?;
+            let ([re, im], near) = forth(self.set, seen.senders(), point, sent, control)?;
             if near * least >= 1.0 {
                 (0..seen.sources.array.len()).try_for_each(|i| seen.sources.check_distance(i, index, point))?;
             }
@@ -306,8 +311,7 @@ impl<'a> Pass<'a> {
         part.by_speed += by_speed;
         let mut by_point = [0.0; 3];
         for ((seen, sent), pulls) in self.all.iter().zip(&*sent).zip(&mut part.pulls) {
-            let sources = (&seen.waves.emitters[..], &seen.drives[..]);
-            let by_place = back(self.set, &seen.waves.waves, sources, (point, w), sent, pulls, control)?;
+            let by_place = back(self.set, seen.senders(), point, w, sent, pulls, control)?;
             (0..3).for_each(|axis| by_point[axis] += by_place[axis]);
             part.by_k += by_place[3];
         }
@@ -340,8 +344,7 @@ impl<'a> Pass<'a> {
         };
         let mut by_point = [0.0; 3];
         for (seen, pulls) in self.all.iter().zip(&mut part.pulls) {
-            let sources = (&seen.waves.emitters[..], &seen.drives[..]);
-            let by_place = contract(self.set, &seen.waves.waves, sources, (point, &weights), pulls, control)?;
+            let by_place = contract(self.set, seen.senders(), point, &weights, pulls, control)?;
             (0..3).for_each(|axis| by_point[axis] += by_place[axis]);
             part.by_k += by_place[3];
         }

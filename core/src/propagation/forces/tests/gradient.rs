@@ -73,7 +73,7 @@ impl Setting {
     /// The scalar L whose gradient is tested.
     fn value(&self, quantity: Quantity, cotangent: &[f64]) -> f64 {
         if let Some(particle) = quantity.particle() {
-            return self.felt(quantity, particle, cotangent);
+            return self.of_particle(quantity, particle, cotangent);
         }
         let g = self.model().propagation(&self.points).expect("points");
         let mut sum = 0.0;
@@ -93,7 +93,7 @@ impl Setting {
 
     /// L from `gorkov`. This function takes drives in single precision, so the drives are given as the array's
     /// responses.
-    fn felt(&self, quantity: Quantity, particle: Particle, cotangent: &[f64]) -> f64 {
+    fn of_particle(&self, quantity: Quantity, particle: Particle, cotangent: &[f64]) -> f64 {
         let count = self.drive.len();
         let mut array = self.model().array().clone();
         let played: Vec<Complex64> = (0..count).map(|i| self.response[i] * self.drive[i]).collect();
@@ -101,12 +101,12 @@ impl Setting {
         let model = Model::new(&array, self.medium, InstructionSet::best()).expect("a model");
         let model = model.with_obstacles(&self.walls).expect("walls");
         let ones = vec![crate::Complex32::ONE; count];
-        let felt = crate::gorkov(&model, &ones, &self.points, particle, &mut Control::none()).expect("forces");
+        let trap = crate::gorkov(&model, &ones, &self.points, particle, &mut Control::none()).expect("forces");
         let each = |j: usize| -> f64 {
-            let (cotangent, h) = (&cotangent[j * quantity.width()..], felt.hessian[j]);
+            let (cotangent, h) = (&cotangent[j * quantity.width()..], trap.hessian[j]);
             match quantity {
-                Quantity::Potential(_) => cotangent[0] * felt.potential[j],
-                Quantity::Force(_) => (0..3).map(|axis| cotangent[axis] * felt.force[j][axis]).sum(),
+                Quantity::Potential(_) => cotangent[0] * trap.potential[j],
+                Quantity::Force(_) => (0..3).map(|axis| cotangent[axis] * trap.force[j][axis]).sum(),
                 _ => (0..3).map(|axis| cotangent[axis] * h[axis][axis]).sum(),
             }
         };

@@ -34,11 +34,11 @@ fn it_is_the_stiffness_of_gorkov_and_its_slope() {
         (recipe.make.stiffness)(&recipe, Bead::default(), &mut Control::none()).expect("room").expect("derivatives");
     let mut rng = Rng::new(3);
     let drive: Vec<_> = (0..24).map(|_| Complex32::cis(6.3 * rng.uniform() as f32)).collect();
-    let felt = gorkov(&model, &drive, &recipe.points, Particle::default(), &mut Control::none()).expect("a force");
+    let trap = gorkov(&model, &drive, &recipe.points, Particle::default(), &mut Control::none()).expect("a force");
     let c = traps.field(&drive);
     let planes = |c: &[Vec<f32>; 2]| -> Vec<f64> { traps.at([&c[0], &c[1]]).collect() };
     let reported = planes(&c);
-    let exact: Vec<f64> = felt.hessian.iter().flat_map(|hessian| eigen(*hessian).0).collect();
+    let exact: Vec<f64> = trap.hessian.iter().flat_map(|hessian| eigen(*hessian).0).collect();
     let largest = exact.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
     assert_eq!(reported.len(), 6);
     for (reported, exact) in reported.iter().zip(&exact) {
@@ -50,7 +50,7 @@ fn it_is_the_stiffness_of_gorkov_and_its_slope() {
     let shifted = |part: f32| [0, 1].map(|k| c[k].iter().zip(&way[k]).map(|(a, b)| a + part * b).collect());
     let forces = [[2e3, -1e3, 3e3], [-500.0, 700.0, 4e3]];
     let net = |c: &[Vec<f32>; 2]| traps.balance([&c[0], &c[1]]).0;
-    for (sum, force) in net(&c).iter().zip(&felt.force) {
+    for (sum, force) in net(&c).iter().zip(&trap.force) {
         let exact = [0, 1, 2].map(|axis| force[axis] + traps.load[0][axis]);
         assert!(sum.iter().zip(exact).all(|(sum, exact)| (sum - exact).abs() < 1e-8 * largest), "{sum:?} {exact:?}");
     }
@@ -79,16 +79,16 @@ fn beside_a_ball_it_is_that_of_gorkov_and_on_its_surface_there_is_none() {
     };
     let mut rng = Rng::new(4);
     let drive: Vec<_> = (0..24).map(|_| Complex32::cis(6.3 * rng.uniform() as f32)).collect();
-    let felt = gorkov(&model, &drive, &recipe.points, Particle::default(), &mut Control::none()).expect("a force");
+    let trap = gorkov(&model, &drive, &recipe.points, Particle::default(), &mut Control::none()).expect("a force");
     let known = traps(&recipe.points).expect("derivatives");
     let c = known.field(&drive);
-    let exact: Vec<f64> = felt.hessian.iter().flat_map(|hessian| eigen(*hessian).0).collect();
+    let exact: Vec<f64> = trap.hessian.iter().flat_map(|hessian| eigen(*hessian).0).collect();
     let largest = exact.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
     let (net, _) = known.balance([&c[0], &c[1]]);
     for (value, exact) in known.at([&c[0], &c[1]]).zip(&exact) {
         assert!((value - exact).abs() < 1e-4 * largest, "{value} {exact}");
     }
-    for (net, force) in net.iter().zip(&felt.force) {
+    for (net, force) in net.iter().zip(&trap.force) {
         let far = [0, 1, 2].map(|axis| (net[axis] - force[axis] - known.load[0][axis]).abs());
         assert!(far.iter().all(|far| *far < 1e-7 * largest), "{far:?}");
     }
