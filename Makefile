@@ -184,7 +184,7 @@ RIVALS := autd3/ready autd3-rs textbook.so planar.so $(if $(ACOUSTOOLS),acoustoo
 bench-peers: setup ## midair beside its rivals: record and README table (QUICK=1: neither; ACOUSTOOLS=1: AcousTools too)
 	-$(MAKE) --keep-going --no-print-directory $(addprefix bench/.envs/,$(RIVALS))
 	$(PYTHON) bench/peers.py $(if $(QUICK),--quick)
-	$(if $(QUICK),,$(PYTHON) bench/chart.py)
+	$(if $(QUICK),,$(PYTHON) book/pictures peers)
 
 bench/.envs/%/ready: bench/%.txt .venv/ready
 	$(BIN)/uv venv --quiet --clear --python $(PYTHON) $(@D)

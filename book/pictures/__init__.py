@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import io
+from itertools import product
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 from PIL import Image
 
 from marked import row, rule
@@ -20,6 +23,11 @@ COLOURS = {"naive": SOFT, "gspat": "#7a5195", "greedy": AMBER, "uniform": TEAL, 
 WIDTH, STYLE = 5.6, {"font.size": 12, "axes.spines.top": False, "axes.spines.right": False}
 #: The number of colours and the largest width in pixels of stored pictures, which keep the repository small.
 SHADES, PIXELS = 128, 860
+
+#: Half the size of a marker in pixels, the sides on which a name may stand, and its alignment there.
+SIZE = 6
+SIDES = ((1, 0), (-1, 0), (0, 1), (0, -1), (0.7, 0.7), (-0.7, 0.7), (0.7, -0.7), (-0.7, -0.7))
+ENDS = {1: "left", 0.7: "left", 0: "center", -0.7: "right", -1: "right"}
 
 
 def figure(height: float, rows: int = 1, columns: int = 1) -> tuple[Figure, np.ndarray]:
@@ -43,6 +51,28 @@ def reduce(picture: Path | io.BytesIO, target: Path) -> None:
     image.thumbnail((PIXELS, 2 * PIXELS))
     few = image.quantize(SHADES, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     few.save(target, "PNG", optimize=True)
+
+
+def write_names(
+    axes: Axes, names: list[str], points: np.ndarray, colours: list[str], size: float = 8
+) -> None:
+    """Writes each name beside its point (K, 2), where it covers least; the layout must be final."""
+    taken = [
+        Bbox.from_extents(*(place - SIZE), *(place + SIZE)) for place in axes.transData.transform(points)
+    ]
+    for name, point, colour in sorted(zip(names, points, colours, strict=True), key=lambda one: -len(one[0])):
+        tried = []
+        for far, (across, up) in product((7, 11, 16), SIDES):
+            text = axes.annotate(name, point, (far * across, far * up), textcoords="offset points")
+            text.set(color=colour, fontsize=size, ha=ENDS[across], va="center")
+            box = text.get_window_extent()
+            outside = not (axes.bbox.contains(*box.min) and axes.bbox.contains(*box.max))
+            tried.append((box.count_overlaps(taken) + outside, len(tried), text, box))
+        *_, best, box = min(tried, key=lambda each: each[:2])
+        taken.append(box)
+        for *_, text, _ in tried:
+            if text is not best:
+                text.remove()
 
 
 def head(*names: str) -> None:

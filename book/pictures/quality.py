@@ -7,30 +7,22 @@ thread: the median of rounds in which the methods take turns, for the first of t
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import product
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
-from matplotlib.transforms import Bbox
 
 import midair
 from midair._reproduce import drawing, fig5, scenes, tables
 from midair._reproduce.scenes import Method
 from midair._sweep.block import solve_block
-from pictures import DOCS
+from pictures import DOCS, write_names
 
 COUNTS = (4, 16, 64)
 SCENES = 20
 ROUNDS = 15
 #: The least duration of a measurement in s; shorter solves are repeated.
 LEAST = 5e-3
-
-#: Half the size of a marker in pixels, the sides on which a name may stand, and its alignment there.
-SIZE = 6
-SIDES = ((1, 0), (-1, 0), (0, 1), (0, -1), (0.7, 0.7), (-0.7, 0.7), (0.7, -0.7), (-0.7, -0.7))
-ENDS = {1: "left", 0.7: "left", 0: "center", -0.7: "right", -1: "right"}
 
 LABELS = {"accuracy": "accuracy (higher is louder)", "sigma": "sigma (lower is more even)"}
 
@@ -108,26 +100,6 @@ def draw(rows: tables.Rows) -> Figure:
     for panel in named:
         write_names(*panel)
     return figure
-
-
-def write_names(axes: Axes, names: list[str], points: np.ndarray, colours: list[str]) -> None:
-    """Writes each name beside its point (K, 2), where it covers least; the layout must be final."""
-    taken = [
-        Bbox.from_extents(*(place - SIZE), *(place + SIZE)) for place in axes.transData.transform(points)
-    ]
-    for name, point, colour in sorted(zip(names, points, colours, strict=True), key=lambda one: -len(one[0])):
-        tried = []
-        for far, (across, up) in product((7, 11, 16), SIDES):
-            text = axes.annotate(name, point, (far * across, far * up), textcoords="offset points")
-            text.set(color=colour, fontsize=8, ha=ENDS[across], va="center")
-            box = text.get_window_extent()
-            outside = not (axes.bbox.contains(*box.min) and axes.bbox.contains(*box.max))
-            tried.append((box.count_overlaps(taken) + outside, len(tried), text, box))
-        *_, best, box = min(tried, key=lambda each: each[:2])
-        taken.append(box)
-        for *_, text, _ in tried:
-            if text is not best:
-                text.remove()
 
 
 def main() -> None:

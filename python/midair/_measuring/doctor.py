@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._boards import Board, Connection
+from .._boards.board import Board
+from .._boards.connection import Connection
 from .._midair import Array, Scene, numbers
 from .._support.arguments import callback, flag, number, refused
 from .arguments import readings_of

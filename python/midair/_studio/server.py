@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from .._boards import BoardError, Connection
+from .._boards.connection import Connection
+from .._boards.errors import BoardError
 from .._midair import SceneError, stated
 from .page import BUILT, file
 
