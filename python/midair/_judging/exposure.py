@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
@@ -11,12 +10,12 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Scene, SceneWarning, Solution, about, field, numbers, stated
+from .._midair import Scene, Solution, about, field, numbers, stated
 from .._points.ear import REFERENCE, Ear
 from .._sequence import Sequence
 from .._sequence.propagation import rows
 from .._support import text as columns
-from .._support.arguments import number, refused, warn
+from .._support.arguments import number, refused, warn, without_warnings
 
 
 @dataclass(frozen=True)
@@ -372,9 +371,8 @@ def _of_one(scene: Scene, drive: ArrayLike | Solution) -> Blocks:
     """Return a function that yields |p| (P, 1) of one drive."""
 
     def blocks(points: Points) -> Iterator[NDArray[np.float64]]:
-        with warnings.catch_warnings():
+        with without_warnings():
             # `exposure` has warned of far places by their names.
-            warnings.simplefilter("ignore", SceneWarning)
             pressure = field(scene, drive, points).pressure
         yield np.abs(pressure)[:, None].astype(np.float64)
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from .._midair import Scene, SceneError, Solution, about, judge, numbers, solve, solvers, stated, unknown_name
 from .._support.arguments import callback, refused, whole
 from .._support.cache import Arrays
-from .._sweep.engine import Job, Settings, Stopped, go_on, run
+from .._sweep.engine import Job, Settings, Stopped, go_on, pieces, run
 from .tolerance import TOGETHER, Kept, Tolerance, faulty, sizes
 
 #: Largest number of trials. They take hours, and means and quantiles then have a statistical error of only a
@@ -202,8 +202,7 @@ class Trials:
             "faults": self._faults,
             "seed": self._seed,
         }
-        starts = range(0, self._trials, SIZE)
-        jobs = (Job(trials_of, settings, start, min(start + SIZE, self._trials)) for start in starts)
+        jobs = pieces(trials_of, settings, self._trials, SIZE)
 
         def receive(job: Job, arrays: Arrays) -> None:
             self._done.append(arrays)

@@ -7,7 +7,6 @@ readings better. These two steps alternate until no pair is left.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
@@ -16,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._boards.layout import changed
-from .._midair import Scene, SceneWarning
+from .._midair import Scene
+from .._support.arguments import without_warnings
 from .calibrate import calibrate
 from .model import AIR, Complex, Real
 from .result import Calibration
@@ -119,9 +119,8 @@ def diagnose(
             normals=scene.array.normals[order],
             response=own * turned[boards],
         )
-        with warnings.catch_warnings():
+        with without_warnings():
             # The diagnosis itself reports the problems that the calibration would warn of.
-            warnings.simplefilter("ignore", SceneWarning)
             found = calibrate(
                 scene.replace(array=array, sound_speed=speed),
                 drives,
@@ -261,8 +260,7 @@ def _delays(sums: Complex, readings: Real | Complex) -> Complex:
 
 
 def _matrix(scene: Scene) -> Complex:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SceneWarning)
+    with without_warnings():
         return np.asarray(scene.propagation(), np.complex128)
 
 

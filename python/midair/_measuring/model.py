@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._boards.layout import changed
-from .._midair import Array, Scene, SceneWarning, directivities
+from .._midair import Array, Scene, directivities
+from .._support.arguments import without_warnings
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -102,9 +102,8 @@ class Model:
     def matrix(self, state: Real) -> Complex:
         """Return the pressures (M, N) in Pa at the microphones, per transducer, for |response| 1."""
         array = self._made(*self._placed(state), state[NUMBER])
-        with warnings.catch_warnings():
+        with without_warnings():
             # Trial values of the fit must not cause warnings.
-            warnings.simplefilter("ignore", SceneWarning)
             scene = self._scene.replace(array=array, points=self.microphones(state), sound_speed=state[SPEED])
         return np.asarray(scene.propagation() * self.phases * np.exp(1j * state[CLOCK] + state[LOUDNESS]))
 

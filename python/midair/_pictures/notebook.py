@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import math
-import warnings
 from collections.abc import Iterable, Sequence
 from html import escape
 from io import BytesIO
@@ -13,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _midair
-from .._midair import Array, Batch, Field, Scene, SceneWarning, Solution, SolverInfo
+from .._midair import Array, Batch, Field, Scene, Solution, SolverInfo
+from .._support.arguments import without_warnings
 from .._support.text import counted, facts as _facts
 from .colours import loud, table
 
@@ -320,9 +320,8 @@ def _slice(solution: Solution) -> str:
     scene = solution.scene
     if scene is None or len(scene.array) * SAMPLES**2 > PRODUCTS:
         return ""
-    with warnings.catch_warnings():
+    with without_warnings():
         # The solve has already warned of probable mistakes.
-        warnings.simplefilter("ignore", SceneWarning)
         return slice_of(_midair.field(scene, solution))
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,9 +13,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from .. import _midair
-from .._midair import Array, Plane, Scene, SceneWarning, Solution
+from .._midair import Array, Plane, Scene, Solution
 from .._pictures.figures import FONTS
 from .._support import output
+from .._support.arguments import without_warnings
 from . import tables
 from .scenes import PITCH, Method, Options, Z
 
@@ -77,8 +77,7 @@ def solved(
 ) -> tuple[Solution, NDArray[np.float64]]:
     """Solve a scene; return the solution, and |p|^2 in a plane of `size` m in steps of 0.5 mm."""
     requested, plane = scene(points, target), Plane(Z, size, round(size / 0.5e-3) + 1)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SceneWarning)
+    with without_warnings():
         solution = _midair.solve(requested, solver, **options)
         pressure = _midair.field(requested, solution.drive, plane).pressure
     return solution, np.abs(pressure).astype(np.float64) ** 2

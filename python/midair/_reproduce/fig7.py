@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .. import _midair
 from .._support.cache import Arrays
-from .._sweep.engine import Job
+from .._sweep.engine import Job, pieces
 from . import drawing, scenes, tables
 from .scenes import Options
 from .tables import Found, Run, Verdict, outcome
@@ -77,15 +77,13 @@ def _width(line: NDArray[np.float32]) -> float:
 
 def collect(run: Run) -> Found:
     """Return a row for each panel, and its field. Random orders: the row covers all, the field shows one."""
-    jobs, fields = [], {}
+    jobs: list[Job] = []
+    fields = {}
     for panel, target, order, balance in PANELS:
         options: Options = {"order": order, "balance": balance}
         settings = {"target": target, "options": options, "seed": run.seed}
         trials = run.trials if order == "random" else 1
-        jobs += [
-            Job(measure, settings, start, min(start + CHUNK, trials), panel)
-            for start in range(0, trials, CHUNK)
-        ]
+        jobs += pieces(measure, settings, trials, CHUNK, panel)
         _, fields[panel] = drawing.solved(POINT, target, "greedy", {**options, "seed": run.seed}, SIZE)
     measured = run.gather(jobs)
     rows: tables.Rows = []

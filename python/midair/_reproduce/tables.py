@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from .._support import output
 from .._support.cache import Arrays
-from .._sweep.engine import Job, run
+from .._sweep.engine import Job, counted, run
 
 Outcome = Literal["holds", "holds in part", "does not hold"]
 
@@ -150,20 +150,13 @@ class Run:
         With `alone` the jobs run in one thread of this process, for timing.
         """
         parts: defaultdict[Hashable, list[Arrays]] = defaultdict(list)
-        items, done = sum(job.stop - job.start for job in jobs), 0
-
-        def tell(more: int) -> None:
-            nonlocal done
-            done += more
-            self.tell(done, items)
-
         run(
             jobs,
             lambda job, arrays: parts[job.owner].append(arrays),
             chunks=self.chunks,
             scheduler=None if alone else self.scheduler,
             threads=1 if alone else None,
-            tell=tell,
+            tell=counted(self.tell, sum(job.stop - job.start for job in jobs)),
         )
         return {
             owner: {name: np.concatenate([part[name] for part in found]) for name in found[0]}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-import warnings
 from collections.abc import Callable, Iterable, Iterator
 from os import PathLike
 from pathlib import Path
@@ -11,10 +10,10 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from .._midair import Plane, SceneWarning, field, stated
+from .._midair import Plane, field, stated
 from .._pictures.colours import MAPS
 from .._pictures.panel import POINT, sides
-from .._support.arguments import callback, whole
+from .._support.arguments import callback, whole, without_warnings
 from . import files
 
 if TYPE_CHECKING:
@@ -49,9 +48,8 @@ def animate(
         raise TypeError(f"plane is no midair.Plane but {type(plane).__qualname__}")
     chosen = np.arange(count) * len(sequence) // count
     plane = plane or _plane(sequence)
-    with warnings.catch_warnings():
+    with without_warnings():
         # Points of some frames lie outside the plane. The sequence has already warned of probable mistakes.
-        warnings.simplefilter("ignore", SceneWarning)
         write(path, fps, count, _shown(sequence, plane, chosen.tolist()), progress)
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Scene, SceneError, SceneWarning, restated
+from .._midair import Scene, SceneError, restated
+from .._support.arguments import without_warnings
 from .drives import Drives, blocks
 from .envelope import Envelope
 
@@ -27,9 +27,8 @@ def rows(
     # A list of signatures has one entry for each point of a frame.
     names = scene.signature if isinstance(scene.signature, list) else None
     blocks = []
-    with warnings.catch_warnings():
+    with without_warnings():
         # The scene itself has already warned of probable mistakes.
-        warnings.simplefilter("ignore", SceneWarning)
         for start in range(0, len(flat), part):
             try:
                 changes: dict[str, Any] = {"points": flat[start : start + part]}

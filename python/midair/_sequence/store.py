@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import warnings
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -17,9 +16,9 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from .._midair import Scene, SceneWarning, stated
+from .._midair import Scene, stated
 from .._support import cache, output
-from .._support.arguments import path_of, refused
+from .._support.arguments import path_of, refused, without_warnings
 from .._support.text import arrays
 from . import files
 from .horizon import Found
@@ -51,8 +50,7 @@ def sequence_of(
     requested: Request, drives: NDArray[Any], solver: str, board: dict[str, Any] | None
 ) -> Sequence:
     """Return the sequence of a request and its drives, without the warnings that were already given."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SceneWarning)
+    with without_warnings():
         return Sequence(
             requested.array,
             requested.points,

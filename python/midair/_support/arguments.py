@@ -38,6 +38,14 @@ def warn(text: str) -> None:
     warnings.warn(text, SceneWarning, stacklevel=level)
 
 
+@contextmanager
+def without_warnings() -> Iterator[None]:
+    """Suppress the SceneWarnings of a block, which were given before or do not concern the caller."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SceneWarning)
+        yield
+
+
 def _is_inside(frame: FrameType) -> bool:
     """Return whether a stack frame belongs to this package, or to NumPy, which decorates some functions."""
     return frame.f_globals.get("__name__", "").partition(".")[0] in ("midair", "numpy")

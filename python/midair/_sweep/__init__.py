@@ -13,7 +13,7 @@ from .._support.arguments import callback, path_of, warn
 from .._support.cache import Arrays, locked
 from . import engine, table
 from .block import solve_block
-from .engine import Job, run
+from .engine import Job, counted, pieces, run
 from .problems import whole
 from .request import Request, read
 from .shards import Dataset, dataset
@@ -120,13 +120,7 @@ def work(
         whole(threads, "threads", least=1)
     shortfall = Shortfall()
     callback(progress, "problems done, problems")
-    done = first = 0
-
-    def tell(items: int) -> None:
-        nonlocal done
-        done += items
-        if progress is not None:
-            progress(done, requested.problems)
+    first = 0
 
     with nullcontext() if folder is None else locked(folder):
         with ExitStack() as stack:
@@ -150,7 +144,7 @@ def work(
                 chunks=folder,
                 scheduler=scheduler,
                 threads=threads,
-                tell=tell,
+                tell=counted(progress, requested.problems),
                 fits=table.fits,
             )
         if folder is not None:
@@ -161,5 +155,4 @@ def work(
 
 def _jobs(requested: Request, chunk: int) -> Iterator[Job]:
     for block in requested.blocks:
-        for start in range(0, block.trials, chunk):
-            yield Job(solve_block, block.settings, start, min(start + chunk, block.trials), block)
+        yield from pieces(solve_block, block.settings, block.trials, chunk, block)

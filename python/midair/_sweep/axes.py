@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import json
 import math
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from os import PathLike
 from typing import Any
 
 import numpy as np
 
-from .._midair import Array, Scene, SceneWarning, array_parts, scene_keys, stated
+from .._midair import Array, Scene, array_parts, scene_keys, stated
+from .._support.arguments import without_warnings
 
 
 def plain(value: Any, name: str = "") -> Any:
@@ -59,8 +59,7 @@ def array_table(array: Array) -> dict[str, Any]:
 
 
 def _full_table(array: Array) -> dict[str, Any]:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SceneWarning)
+    with without_warnings():
         scene = Scene(array, array.positions[:1] + 0.1 * array.normals[:1])
     table: dict[str, Any] = json.loads(scene.json())["array"]
     return table

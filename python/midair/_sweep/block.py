@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
@@ -12,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _midair
-from .._midair import Array, Scene, SceneError, SceneWarning, restated, solvers
+from .._midair import Array, Scene, SceneError, restated, solvers
+from .._support.arguments import without_warnings
 from .._support.cache import Arrays
 from .._support.output import METRICS
 from .engine import Stopped, go_on
@@ -64,8 +64,7 @@ def array_and_medium(settings: Settings) -> tuple[Array, dict[str, Any]]:
 
 @lru_cache(maxsize=16)
 def _read(text: str) -> tuple[Array, dict[str, Any]]:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SceneWarning)
+    with without_warnings():
         scene = Scene.parse(text)
     return scene.array, scene.medium
 

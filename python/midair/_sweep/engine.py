@@ -9,7 +9,6 @@ import logging
 import os
 import re
 import threading
-import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ThreadPoolExecutor, wait
@@ -22,9 +21,9 @@ from threading import Thread
 from typing import TYPE_CHECKING, Any
 
 from .. import _midair
-from .._midair import SceneError, SceneWarning, stated
+from .._midair import SceneError, stated
 from .._support import cache
-from .._support.arguments import needs
+from .._support.arguments import needs, without_warnings
 from .._support.cache import Arrays
 from .._support.ctrl_c import interruptible
 
@@ -126,6 +125,25 @@ class Job:
         return Path(key[:20], f"{self.start}-{self.stop}.npz")
 
 
+def pieces(function: Function, settings: Settings, count: int, size: int, owner: Any = None) -> Iterator[Job]:
+    """Yield the jobs for `count` items, at most `size` items each."""
+    for start in range(0, count, size):
+        yield Job(function, settings, start, min(start + size, count), owner)
+
+
+def counted(progress: Callable[[int, int], object] | None, items: int) -> Callable[[int], None]:
+    """Return a function of the number of items just done, which calls `progress` with (items done, items)."""
+    done = 0
+
+    def tell(more: int) -> None:
+        nonlocal done
+        done += more
+        if progress is not None:
+            progress(done, items)
+
+    return tell
+
+
 @functools.cache
 def build() -> str:
     """Return version and hash of the compiled core, so that results of different builds are not mixed."""
@@ -163,12 +181,11 @@ def run(
     """
     stop = threading.Event()
     with (
-        warnings.catch_warnings(),
+        # Thousands of equal warnings would not help; the column `level` shows the same.
+        without_warnings(),
         _workers(scheduler, threads, stop) as (executor, workers),
         interruptible() as interrupted,
     ):
-        # Thousands of equal warnings would not help; the column `level` shows the same.
-        warnings.simplefilter("ignore", SceneWarning)
         waiting: deque[tuple[Job, Future[Arrays]]] = deque()
         unsaved: dict[Future[Arrays], Job] = {}
 

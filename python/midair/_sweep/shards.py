@@ -23,7 +23,7 @@ from .._support.arguments import callback, needs, path_of, refused, warn
 from .._support.cache import Arrays, locked, refusing
 from .._support.output import METRICS
 from .block import array_and_medium, solve_block, trial_seed
-from .engine import Job, go_on, run
+from .engine import Job, counted, go_on, pieces, run
 from .problems import whole
 from .request import Block, Request, read
 from .table import Shortfall
@@ -266,13 +266,7 @@ def dataset(
         "blocks": [dict(block.settings) for block in blocks],
     }
     _claim(place, manifest)
-    done, shortfall = 0, Shortfall()
-
-    def tell(items: int) -> None:
-        nonlocal done
-        done += items
-        if progress is not None:
-            progress(done, scenes)
+    shortfall, tell = Shortfall(), counted(progress, scenes)
 
     def keep(job: Job, arrays: Arrays) -> None:
         shortfall.add(arrays)
@@ -328,8 +322,7 @@ def _blocks(requested: Request, bounds: bool) -> list[Block]:
 
 def _jobs(blocks: list[Block]) -> Iterator[Job]:
     for number, block in enumerate(blocks):
-        for start in range(0, block.trials, SHARD):
-            yield Job(solve_scenes, block.settings, start, min(start + SHARD, block.trials), number)
+        yield from pieces(solve_scenes, block.settings, block.trials, SHARD, number)
 
 
 def _file(folder: Path, split: str, job: Job) -> Path:

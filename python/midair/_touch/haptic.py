@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -17,7 +16,6 @@ from .._midair import (
     Membrane,
     Scene,
     SceneError,
-    SceneWarning,
     decibels,
     hand,
     restated,
@@ -28,7 +26,7 @@ from .._sequence import Sequence, sequence
 from .._sequence.arguments import time_constant
 from .._sequence.drives import lowered
 from .._sequence.request import bound
-from .._support.arguments import number, refused, warn, word
+from .._support.arguments import number, refused, warn, without_warnings, word
 from .._support.text import Facts
 from ..path import Path
 from .membrane import model_of
@@ -195,10 +193,9 @@ def haptic(
     time_constant(tau)
     curve = Curve.of(shape, closed)
     _check(curve.check(array), ears, limit)
-    with warnings.catch_warnings():
+    with without_warnings():
         # The arguments have caused their warnings. A movement too fast for the bound gives a weak result,
         # which is not chosen.
-        warnings.simplefilter("ignore", SceneWarning)
         return _best(_Judge(array, curve, frames, reach, membrane, dict(model)), aim, most, ears, limit)
 
 

@@ -11,7 +11,6 @@ so choosing the focus with the largest tangent in each frame never reduces it.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -25,12 +24,11 @@ from .._midair import (
     Plane,
     Scene,
     SceneError,
-    SceneWarning,
     restated,
     solve_batch,
     threshold,
 )
-from .._support.arguments import flag, refused, vectors, warn
+from .._support.arguments import flag, refused, vectors, warn, without_warnings
 from ..path import Path
 from .membrane import squares
 
@@ -236,8 +234,7 @@ class Curve:
             item = f"shape[{k}]" if k < len(self.given) else "shape"
             try:
                 # No warning about `points`, which a caller does not give.
-                with warnings.catch_warnings():
-                    warnings.simplefilter("ignore", SceneWarning)
+                with without_warnings():
                     scene = Scene(array, [place])
                 received = np.abs(scene.propagation()).max()
             except SceneError as error:
