@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Scene, SceneError, Solution, restated, stated
+from .._midair import Scene, SceneError, Solution, stated
 from .._sequence import Sequence
 from .._support import output
 from .._support.arguments import path_of
-from .._support.text import MOST_BYTES, arrays, content, fault
+from .._support.text import MOST_BYTES, arrays, content, fault, reading
 from .played import ROUNDING, Played
 
 #: Keys that a file of a solution must have.
@@ -77,15 +77,9 @@ def load(path: str | PathLike[str]) -> Solution:
         raise stated(f'solution file "{name}"', "has no known ending", "give .npz or .json")
     if not path.exists():
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
-    try:
+    with reading("solution", path, "give what solution.save or midair solve -o wrote"):
         record = arrays(path) if ending == ".npz" else json.loads(content(path))
         solution: Solution = Solution._restore(_parts(record))  # type: ignore[attr-defined]
-    except SceneError as error:
-        raise restated(error, inside=f'solution file "{name}"') from error
-    # zip, NumPy and JSON raise errors of many kinds for a damaged file.
-    except Exception as error:
-        cure = "give what solution.save or midair solve -o wrote"
-        raise stated(f'solution file "{name}"', "is damaged, or none", cure, code="unreadable") from error
     return solution
 
 

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, Scene, SceneError, restated, stated
+from .._midair import Array, Scene
 from .._pictures.colours import MAPS
 from .._support import output
 from .._support.arguments import path_of
-from .._support.text import arrays, counted
+from .._support.text import arrays, counted, reading
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -267,22 +267,10 @@ class Calibration:
             For a file with an error; FileNotFoundError for a missing one.
         """
         source = path_of("path", path)
-        try:
+        with reading("calibration", path, "give what calibration.save wrote as .npz"):
             found = arrays(source)
             numbers: dict[str, Any] = {
                 field.name: value if (value := found[field.name]).ndim else value.item()
                 for field in fields(Calibration)
             }
             return Calibration(**(numbers | {"scene": Scene.parse(str(found["scene"]))}))
-        except SceneError as error:
-            raise restated(error, inside=f'calibration file "{path}"') from error
-        except OSError:
-            raise
-        # NumPy and the scene's reader raise errors of many kinds for a damaged file.
-        except Exception as error:
-            raise stated(
-                f'calibration file "{path}"',
-                "is damaged, or none",
-                "give what calibration.save wrote as .npz",
-                code="unreadable",
-            ) from error

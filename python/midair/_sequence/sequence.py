@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._midair import Plane, SceneError, restated, stated
+from .._midair import Plane
 from .._support.arguments import needs, path_of
 from .._support.slips import Later
+from .._support.text import reading
 from . import files
 from .animation import animate
 from .judged import JudgedFrames
@@ -182,17 +183,8 @@ class Sequence(JudgedFrames):
             For a file with an error; FileNotFoundError for a missing one.
         """
         source = path_of("path", path)
-        name = " ".join(str(source).split())
-        try:
+        with reading("sequence", source, "give what sequence.save wrote"):
             return Sequence(**files.load(source))
-        except SceneError as error:
-            raise restated(error, inside=f'sequence file "{name}"') from error
-        except FileNotFoundError:
-            raise
-        # zip, NumPy and JSON raise errors of many kinds for a damaged file.
-        except Exception as error:
-            cure = "give what sequence.save wrote"
-            raise stated(f'sequence file "{name}"', "is damaged, or none", cure, code="unreadable") from error
 
     def to_xarray(self) -> Dataset:
         """Return points, targets, pressures, changes and drives (or codes), with named dimensions.

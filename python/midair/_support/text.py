@@ -11,6 +11,7 @@ import zipfile
 import zlib
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from html import escape
 from os import PathLike
 from pathlib import Path
@@ -38,6 +39,21 @@ def fault(path: str | PathLike[str], line: int | None, words: str | SceneError, 
     place = f'file "{path}"' if line is None else f'file "{path}", line {line}'
     error = stated("", words, cure, "unreadable") if isinstance(words, str) else words
     return restated(error, inside=place)
+
+
+@contextmanager
+def reading(kind: str, path: str | PathLike[str], cure: str) -> Iterator[None]:
+    """Raise a SceneError that names the file if a block cannot read it, whatever its content is."""
+    file = f'{kind} file "{" ".join(str(path).split())}"'
+    try:
+        yield
+    except SceneError as error:
+        raise restated(error, inside=file) from error
+    except OSError:
+        raise
+    # zip, NumPy and JSON raise errors of many kinds for a damaged file.
+    except Exception as error:
+        raise stated(file, "is damaged, or none", cure, code="unreadable") from error
 
 
 def no_file() -> SceneError:
