@@ -1,8 +1,9 @@
 """docs/*.schema.json: made from the core's tables of keys, and valid for all scene files and sweeps."""
 
-import importlib.util
+import importlib
 import json
 import re
+import sys
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -12,11 +13,9 @@ import pytest
 ROOT = Path(__file__).parents[2]
 SCHEMA = json.loads((ROOT / "docs" / "scene.schema.json").read_text())
 
-spec = importlib.util.spec_from_file_location("schema", ROOT / "book" / "schema.py")
-assert spec is not None
-assert spec.loader is not None
-schema = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(schema)
+sys.path.insert(0, str(ROOT / "book"))
+schema = importlib.import_module("schema")
+sys.path.pop(0)
 
 TYPES = {
     "boolean": bool,
