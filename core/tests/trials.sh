@@ -181,7 +181,6 @@ swap '        for image in &*self.images {' '        for (&point, row) in points
             bubble::add(&self.obstacles, sources, point, row);
         }
         for image in &*self.images {' core/src/propagation/scattering/mod.rs
-after 'use crate::propagation::scattering::bodies::Bodies;' core/src/propagation/scattering/mod.rs <<<'use crate::propagation::scattering::bubble;'
 swap '        radius: f64,' '        radius: f64,
     }
     /// A soft ball that is small beside the wavelength.
