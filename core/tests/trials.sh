@@ -136,7 +136,7 @@ use crate::scene::{Obstacle, Obstacles, distance};
 
 /// Adds the pressure that each transducer gives at a point by way of the bubbles, in Pa.
 pub(crate) fn add(obstacles: &Obstacles, sources: &Sources, point: [f64; 3], row: &mut [Complex64]) {
-    for obstacle in obstacles.given() {
+    for obstacle in obstacles.list() {
         let Obstacle::Bubble { middle, size, .. } = obstacle else { continue };
         let (r, k) = (distance(*middle, point), sources.medium.complex_wavenumber());
         let wave = Complex64::new(math::cos(k.re * r), math::sin(k.re * r)) * (-size / r * math::exp(-k.im * r));
@@ -189,8 +189,7 @@ swap '        radius: f64,' '        radius: f64,
         middle: (f64, f64, f64),
         /// Its radius in m.
         size: f64,' python/src/bodies.rs
-after '    BatchMetrics,' python/midair/__init__.py <<<'    Bubble,'
-after '    "BoardTimeout",' python/midair/__init__.py <<<'    "Bubble",'
+after '        Bead as Bead,' python/midair/__init__.py <<<'        Bubble as Bubble,'
 swap '#: The function that draws each kind of obstacle' 'def _bubble(bubble: Bubble, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:
     ax.plot(1e3 * bubble.middle[axes[0]], 1e3 * bubble.middle[axes[1]], ".", color=COLOUR)
 
