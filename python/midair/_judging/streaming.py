@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Field, Plane, Scene, Solution, about, field, stated
 from .._pictures.colours import MAPS
-from .._pictures.panel import paint, sides
+from .._pictures.panel import paint, sides, squares
 from .._pictures.words import place
 from .._support.arguments import number
 
@@ -168,7 +168,8 @@ def streaming(
     found = field(scene, drive, plane)
     pressure = found.pressure.astype(np.complex128)
     force = alpha * np.abs(pressure) ** 2 / (scene.density * scene.sound_speed**2)
-    points = places(found)
+    points = found.points if found.plane is None else squares(found.plane).reshape(*pressure.shape, 3)
+    assert points is not None
     step = PART * scene.wavelength
     flow = np.empty(points.shape)
     for axis in range(3):
@@ -182,20 +183,6 @@ def streaming(
     length = np.linalg.norm(flow, axis=-1, keepdims=True)
     direction = np.divide(flow, length, out=np.zeros_like(flow), where=length > 0)
     return Streaming(force, direction, alpha, found)
-
-
-def places(field: Field) -> NDArray[np.float64]:
-    """Return the places (..., 3) in m at which a field is known, in the shape of its pressure."""
-    plane = field.plane
-    if plane is None:
-        assert field.points is not None
-        return field.points
-    points = np.empty((*field.pressure.shape, 3))
-    across, up = (axis for axis in range(3) if "xyz"[axis] != plane.axis)
-    sides = field.x, field.y, field.z
-    points[..., "xyz".index(plane.axis)] = plane.at
-    points[..., across], points[..., up] = np.meshgrid(sides[across], sides[up])  # type: ignore[arg-type]
-    return points
 
 
 def _absorption(scene: Scene, requested: float | None) -> float:

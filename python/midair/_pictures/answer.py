@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Field, Plane, Solution, field
-from .colours import Quantity, colours, loud, of_pressures
+from .colours import Quantity, beyond, colours, loud, of_pressures
 from .panel import add_bar, grid, paint, shape, sides
 from .plot import HEADROOM, picture, title
 from .words import heading, marks, number, place, reported, solver
@@ -65,8 +65,7 @@ def wanted_made_difference(
         ax.set_ylabel("")
         ax.tick_params(labelleft=False)
     add_bar(image, axes[1:2], scale)
-    over, under = bool((apart > end).any()), bool((apart < -end).any())
-    extend = {(True, True): "both", (True, False): "max", (False, True): "min"}.get((over, under), "neither")
+    extend = beyond(bool((apart > end).any()), bool((apart < -end).any()))
     figure.colorbar(difference, ax=axes[2], fraction=0.046, pad=0.03, label=scale.label, extend=extend)
 
 

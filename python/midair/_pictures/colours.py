@@ -83,6 +83,11 @@ class Colours:
         return replace(self, own=cmap)
 
 
+def beyond(over: bool, under: bool) -> str:
+    """Return matplotlib's word for the ends of a colour bar beyond which there are values."""
+    return {(True, True): "both", (True, False): "max", (False, True): "min"}.get((over, under), "neither")
+
+
 def of_pressures(field: Field, pressures: NDArray[np.float64], colours: Colours) -> NDArray[np.float64]:
     """Return the displayed values of pressures |p| in Pa, such as targets."""
     values = [_of_pressure(field, float(pressure), colours.quantity) for pressure in pressures]
@@ -117,9 +122,7 @@ def colours(
     brighter = max(map(np.max, values)) > top + 1e-6 * abs(top)
     if quantity == "spl":
         darker = min(map(np.min, values)) < top - DEPTH
-        extend = {(True, True): "both", (True, False): "max", (False, True): "min"}.get(
-            (bool(brighter), bool(darker)), "neither"
-        )
+        extend = beyond(bool(brighter), bool(darker))
         return Colours(quantity, top - DEPTH, top, factor, label, extend)
     return Colours(quantity, 0.0, top * factor or 1.0, factor, label, "max" if brighter else "neither")
 

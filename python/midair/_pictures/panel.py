@@ -173,6 +173,17 @@ def sides(field: Field) -> tuple[int, int]:
     return across, up
 
 
+def squares(plane: Plane) -> NDArray[np.float64]:
+    """Return the places (pixels^2, 3) of a plane, row after row upwards."""
+    axes = [plane.along(name) for name in "xyz"]
+    across, up = (axis for axis in axes if axis is not None)
+    first, second = (values.ravel() for values in np.meshgrid(across, up))
+    columns = iter((first, second))
+    return np.stack(
+        [np.full(len(first), plane.at) if axis is None else next(columns) for axis in axes], axis=1
+    )
+
+
 def paint(
     field: Field, ax: Axes, values: NDArray[np.float64], colour_map: Map, ends: tuple[float, float]
 ) -> AxesImage:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import REACH, SKIN, Membrane, Mesh, Plane, Shifted
+from .._midair import REACH, SKIN, Membrane, Mesh, Shifted
 from .._support.arguments import needs, number, warn
 
 #: Mode of SuperLU for symmetric matrices, with pivots on the diagonal.
@@ -113,14 +113,3 @@ class Triangles:
 def triangles(hand: Mesh) -> Triangles:
     """Return the triangles of a hand's mesh."""
     return Triangles(hand.vertices, hand.faces)
-
-
-def squares(plane: Plane) -> NDArray[np.float64]:
-    """Return the places (pixels^2, 3) of a plane, row after row upwards."""
-    axes = [plane.along(name) for name in "xyz"]
-    across, up = (axis for axis in axes if axis is not None)
-    first, second = (values.ravel() for values in np.meshgrid(across, up))
-    columns = iter((first, second))
-    return np.stack(
-        [np.full(len(first), plane.at) if axis is None else next(columns) for axis in axes], axis=1
-    )

@@ -28,9 +28,9 @@ from .._midair import (
     solve_batch,
     threshold,
 )
+from .._pictures.panel import squares
 from .._support.arguments import flag, refused, vectors, warn, without_warnings
 from ..path import Path
-from .membrane import squares
 
 #: Places of a focus along the shape: their distance in m, and their largest number.
 STEP, MOST = 2e-3, 200

@@ -23,11 +23,12 @@ from .._midair import (
     strength,
 )
 from .._pictures.colours import MAPS
+from .._pictures.panel import squares
 from .._sequence import Sequence, arguments
 from .._sequence.felt import threshold
 from .._support.arguments import refused, vector
 from .._support.text import Facts
-from .membrane import LOSS, MASS, SPEED, model_of, on_mesh, squares, triangles
+from .membrane import LOSS, MASS, SPEED, model_of, on_mesh, triangles
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
