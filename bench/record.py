@@ -2,13 +2,13 @@
 
 import csv
 import datetime
-import os
 import platform
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import midair
+from midair._support import output
 
 FIELDS = (
     "date", "cpu", "rival", "version", "method", "form", "grid", "N", "M", "rounds", "ns_median", "ns_min",
@@ -48,12 +48,7 @@ def cpu() -> str:
 def write(path: Path, rows: Sequence[Mapping[str, object]], fields: Iterable[str] = FIELDS) -> None:
     """Writes the file completely or not at all."""
     path.parent.mkdir(exist_ok=True)
-    new = path.with_suffix(".new")
-    with new.open("w", newline="") as file:
-        writer = csv.DictWriter(file, [*fields], lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-    os.replace(new, path)
+    output.write(path, output.to_csv(rows, fields))
 
 
 def add(name: str, rows: Sequence[Mapping[str, object]]) -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import midair
+import midair._cli.solve
 from midair import _cli as cli
 from midair._support import output as output
 from scenes import same_bits

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from pathlib import Path
 from typing import Any
 
@@ -70,15 +68,15 @@ def compare_command(
 def _tell(table: Comparison, output_file: Path | None, json: bool) -> None:
     document = output_file == STANDARD
     if output_file is not None and not document:
-        content = _json(table) if output_file.suffix.lower() == ".json" else _csv(table)
-        output.write(output_file, content.encode())
+        is_json = output_file.suffix.lower() == ".json"
+        output.write(output_file, _json(table).encode() if is_json else output.to_csv(_rows(table)))
     if json:
         print(_json(table))
         return
     with beside(document):
         print_solutions("compare", table.solutions, table.names, table.gaps)
     if document:
-        print(_csv(table), end="")
+        print(output.to_csv(_rows(table)).decode(), end="")
     elif output_file is not None:
         print_written(output_file)
 
@@ -90,11 +88,3 @@ def _rows(table: Comparison) -> list[dict[str, Any]]:
 
 def _json(table: Comparison) -> str:
     return output.to_json({"bound": table.bound, "solvers": _rows(table)})
-
-
-def _csv(table: Comparison) -> str:
-    text = io.StringIO()
-    rows = csv.DictWriter(text, list(table.to_dict()), lineterminator="\n")
-    rows.writeheader()
-    rows.writerows(_rows(table))
-    return text.getvalue()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 import math
 from collections import defaultdict
 from collections.abc import Callable, Hashable, Mapping, Sequence
@@ -68,14 +67,11 @@ def spread(values: NDArray[np.float64]) -> Row:
 
 def write(path: Path, rows: Rows) -> None:
     """Write a CSV file with six significant digits."""
-    text = io.StringIO()
-    out = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-    out.writeheader()
-    for row in rows:
-        out.writerow(
-            {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()}
-        )
-    output.write(path, text.getvalue().encode())
+    rounded = (
+        {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()}
+        for row in rows
+    )
+    output.write(path, output.to_csv([*rounded]))
 
 
 def read(path: Path) -> Rows:

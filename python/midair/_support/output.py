@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import json
 import os
 import shutil
 import stat
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
@@ -167,6 +168,15 @@ def summary(scene: Scene, solution: Solution) -> str:
     own = {name: getattr(solution, name) for name in ("solver", "options", "status")}
     kept = ("steps", "elapsed", "scale", *METRICS, "complex_error", "points", "targets", "pressures")
     return to_json(own | {name: record[name] for name in kept if name in record})
+
+
+def to_csv(rows: Sequence[Mapping[str, object]], fields: Iterable[str] | None = None) -> bytes:
+    """Return a CSV file of rows by the names of their columns, by default those of the first row."""
+    text = io.StringIO()
+    out = csv.DictWriter(text, [*(fields or rows[0])], lineterminator="\n")
+    out.writeheader()
+    out.writerows(rows)
+    return text.getvalue().encode()
 
 
 def to_json(record: Any) -> str:
