@@ -14,6 +14,9 @@ import { say, type Word } from "../src/app/words.ts";
 const door = new Door(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
 const english = (word: Word, put = {}) => say("en", word, put);
 
+/** Time in ms for a test that flies beads twice on a busy machine. */
+const SLOW = 60_000;
+
 /** Returns the simulated motion of beads that two boards carry around circles. */
 function flown(points: Vec3[], frequency: number, radius = 0.01): BeadFlight[] {
   const [count, rate] = [Math.round(1000 / frequency), 1000];
@@ -26,12 +29,15 @@ function flown(points: Vec3[], frequency: number, radius = 0.01): BeadFlight[] {
 test("a bead goes around with its trap, for laps of a second", () => {
   const [flight] = flown([[0, 0, 0]], 4);
   expect(flight.lost).toBeNaN();
-  expect(flight.farthest).toBeLessThan(0.1e-3);
+  // From its point; from the circle it strays less.
+  expect(flight.farthest).toBeLessThan(0.3e-3);
+  const off = (frame: number) => Math.hypot(Math.hypot(flight.places[3 * frame], flight.places[3 * frame + 1]) - 0.01, flight.places[3 * frame + 2]);
+  expect(Math.max(...Array.from({ length: 1000 }, (_, frame) => off(frame)))).toBeLessThan(0.1e-3);
   expect(flight.places).toHaveLength(3 * 1000);
   const place = beadsAt([flight], 125, 250)[0];
   // The bead lags behind its point by half a frame and the transducers' time constant, .7 ms.
   expect(Math.hypot(place[0] + 0.01, place[1], place[2])).toBeLessThan(0.3e-3);
-  expect(fateOf([flight], english)).toEqual([`The bead stays, at most ${(1000 * flight.farthest).toFixed(2)} mm from its path`]);
+  expect(fateOf([flight], english)).toEqual([`The bead stays, at most ${(1000 * flight.farthest).toFixed(2)} mm from its point`]);
 });
 
 test("a bead that is carried too fast is lost, and is drawn until then", () => {
@@ -62,7 +68,7 @@ test("an opened scene keeps its bead: a heavy one lies lower in its trap", () =>
     return door.fly(0, 1000).farthest;
   };
   expect(farthest(state.bead)).toBeGreaterThan(4 * farthest(null));
-});
+}, SLOW);
 
 test("a scene whose points are moved keeps its bead", () => {
   const bead = { radius: 1.2e-3, density: 900 };
@@ -75,7 +81,7 @@ test("a scene whose points are moved keeps its bead", () => {
     return door.fly(0, 1000);
   };
   expect(flown(true)).toEqual(flown(false));
-});
+}, SLOW);
 
 test("frames that were not followed are not flown", () => {
   door.open(JSON.stringify({ array: { preset: "openmpd_pair" }, points: [{ position: [0, 0, 0] }] }));
@@ -85,8 +91,8 @@ test("frames that were not followed are not flown", () => {
 test("lost beads are named by their time, those beyond three are counted, the others have their distance", () => {
   const flight = (lost: number, point: number): BeadFlight => ({ point, lost, farthest: 1.2e-4, places: new Float64Array(6) });
   const stays = flight(NaN, 1);
-  expect(fateOf([stays, flight(NaN, 2)], english)).toEqual(["All beads stay, at most 0.12 mm from their path"]);
-  expect(fateOf([flight(0.05, 0), stays, flight(0.034, 2)], english)).toEqual(["Bead 3 is lost after 34 ms", "Bead 1 is lost after 50 ms", "The others stay, at most 0.12 mm from their path"]);
+  expect(fateOf([stays, flight(NaN, 2)], english)).toEqual(["All beads stay, at most 0.12 mm from their points"]);
+  expect(fateOf([flight(0.05, 0), stays, flight(0.034, 2)], english)).toEqual(["Bead 3 is lost after 34 ms", "Bead 1 is lost after 50 ms", "The others stay, at most 0.12 mm from their points"]);
   expect(fateOf([0.1, 0.2, 0.3, 0.4].map(flight), english).at(-1)).toBe("1 more are lost");
 });
 

@@ -67,6 +67,20 @@ pub struct Flown {
     pub lost: Vec<f64>,
 }
 
+impl Flown {
+    /// Returns the largest distance (B,) in m of each bead from its point until it is lost.
+    #[must_use]
+    pub fn farthest(&self) -> Vec<f64> {
+        let mut farthest = vec![0.0_f64; self.lost.len()];
+        for row in self.places.chunks(farthest.len()).zip(self.points.chunks(farthest.len())) {
+            let apart = row.0.iter().zip(row.1).map(|(&place, &point)| distance(place, point));
+            // The distance of a lost bead is NaN, which `max` skips.
+            farthest.iter_mut().zip(apart).for_each(|(most, apart)| *most = most.max(apart));
+        }
+        farthest
+    }
+}
+
 impl Course {
     /// Simulates beads (B,) for a number of knots. Each bead obeys m x'' = F + weight - buoyancy - drag, with Gor'kov's
     /// force F in the field at that time. A bead that is more than half a wavelength from its point is lost.

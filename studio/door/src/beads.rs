@@ -10,15 +10,15 @@ const TAU: f64 = 0.2e-3;
 
 impl Studio {
     /// Simulates the bead in the trap of a point while the frames repeat at `rate` frames/s. The numbers are the time in s at
-    /// which it was lost or NaN, its largest distance from the path in m until then, and its places (F, 3) in m at the frames
+    /// which it was lost or NaN, its largest distance from its point in m until then, and its places (F, 3) in m at the frames
     /// of all laps.
     pub(crate) fn fly(&mut self, point: usize, rate: f64) -> Result<(), Error> {
         if self.course.is_none() {
             let (drives, places) = (core::mem::take(&mut self.frames), core::mem::take(&mut self.places));
             let envelope = Envelope { rate, tau: TAU, linear: false };
-            let course = self.opened().and_then(|opened| {
-                Course::of(&places, &drives, &opened.model, envelope, true, &mut Control::none())
-            });
+            let course = self
+                .opened()
+                .and_then(|opened| Course::of(&places, &drives, &opened.model, envelope, true, &mut Control::none()));
             (self.frames, self.places) = (drives, places);
             self.course = Some(course?);
         }
@@ -40,10 +40,7 @@ impl Studio {
         let start = BeadStart { place, speed: course.moving(point)[0], point };
         let knots = course.knots(None)?;
         let flown = course.fly(model, bead, &[start], knots, none)?;
-        let count = opened.scene.points().len();
-        let path: Vec<[f64; 3]> = self.places.iter().skip(point).step_by(count).copied().collect();
-        let apart = flown.places.iter().map(|&place| distance(place, &path));
-        let mut numbers = vec![flown.lost[0], apart.fold(0.0, f64::max)];
+        let mut numbers = vec![flown.lost[0], flown.farthest()[0]];
         // The times of frames lie between knots, that of the first frame before the first knot.
         let lasts = course.spacing() * (knots - 1) as f64;
         for frame in 0..(lasts * rate).round() as usize {
@@ -54,18 +51,4 @@ impl Studio {
         }
         Ok(numbers)
     }
-}
-
-/// Returns the distance of a place from a closed path of straight lines; NaN if the place is NaN.
-fn distance(place: [f64; 3], path: &[[f64; 3]]) -> f64 {
-    let square = |a: [f64; 3], b: [f64; 3]| {
-        let [line, way] = [b, place].map(|end| [0, 1, 2].map(|axis| end[axis] - a[axis]));
-        let dot = |u: [f64; 3], v: [f64; 3]| u.iter().zip(v).map(|(u, v)| u * v).sum::<f64>();
-        let share = (dot(line, way) / dot(line, line).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        let off = [0, 1, 2].map(|axis| way[axis] - share * line[axis]);
-        dot(off, off)
-    };
-    let following = path.iter().skip(1).chain(&path[..1]);
-    let least = path.iter().zip(following).map(|(&a, &b)| square(a, b)).fold(f64::INFINITY, f64::min);
-    if place[0].is_nan() { f64::NAN } else { least.sqrt() }
 }

@@ -148,7 +148,7 @@ jobs! {
     studio_moved(frame: usize) = moved;
 
     /// Simulates the bead in the trap of a point while the frames of `studio_follow` repeat at `rate` frames/s. The numbers are the
-    /// time in s at which it was lost or NaN, its largest distance from the path in m until then, and its places (F, 3) in m
+    /// time in s at which it was lost or NaN, its largest distance from its point in m until then, and its places (F, 3) in m
     /// at the frames of all laps.
     studio_fly(point: usize, rate: f64) = fly;
 

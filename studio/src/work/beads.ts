@@ -32,7 +32,7 @@ export function beadsAt(flights: Flight[], frame: number, turn: number): Vec3[] 
 export const balls = (places: Vec3[], pixel: (place: Vec3) => number, radius = RADIUS): Obstacle[] =>
   places.map((center) => ({ center, radius: Math.max(radius, LEAST * pixel(center)), kind: "rigid" }));
 
-/** Returns sentences: which beads are lost and when, and how far the others are from their path at most. */
+/** Returns sentences: which beads are lost and when, and how far the others are from their points at most. */
 export function fateOf(flights: BeadFlight[], say: Say): string[] {
   const lost = flights.flatMap(({ lost, point }) => (Number.isNaN(lost) ? [] : [{ n: point + 1, lost }])).sort((a, b) => a.lost - b.lost);
   const most = Math.max(...flights.filter(({ lost }) => Number.isNaN(lost)).map(({ farthest }) => farthest));

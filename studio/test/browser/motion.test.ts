@@ -95,7 +95,7 @@ test("beads in moving traps are simulated, and the panel says which stay", async
   await page.evaluate((state) => window.midair!.set(state), { ...traps, path: { kind: "circle" as const, radius: 0.005, frequency: 10 } });
   await unfold(page, "Motion");
   await line().fill("4");
-  await expect.poll(() => page.getByText(/^All beads stay, at most 0\.\d\d mm from their path$/).count(), { timeout: 60_000 }).toBe(1);
+  await expect.poll(() => page.getByText(/^All beads stay, at most 0\.\d\d mm from their points$/).count(), { timeout: 60_000 }).toBe(1);
   await page.evaluate(() => window.midair!.set({ path: { kind: "circle", radius: 0.05, frequency: 30 } }));
   await line().fill("4");
   await expect.poll(() => page.getByText(/^Bead [12] is lost after \d+ ms$/).count(), { timeout: 60_000 }).toBeGreaterThan(0);

@@ -49,6 +49,7 @@ fn a_bead_that_begins_as_its_trap_moves_goes_around_with_it_alone_and_among_othe
     assert!(one.lost[0].is_nan());
     let most = one.places.iter().zip(&ways).map(|(a, b)| distance(*a, *b)).fold(0.0, f64::max);
     assert!(most < 1e-3, "{most}");
+    assert_eq!(one.farthest(), [most]);
     let nine = flown(&model, &course, &[start; 9], knots);
     assert!(nine.places.chunks(9).zip(&one.places).all(|(nine, one)| nine[8] == *one));
 }
