@@ -14,8 +14,12 @@ const catalogue = {
   boards: [],
 };
 const fault = (partial: object) => {
-  const state = checked({ ...initial, ...partial } as State, catalogue);
-  return typeof state === "string" ? state : "";
+  try {
+    checked({ ...initial, ...partial } as State, catalogue);
+    return "";
+  } catch (error) {
+    return (error as Error).message;
+  }
 };
 
 test.each(gallery.map(({ name, state }) => [name[0], state] as const))("%s", (_, state) => {

@@ -24,7 +24,7 @@ test("only points on a path have a touch, and links keep it", () => {
   expect(touchOf(state({ quantity: "felt" }))).toBe("felt");
   expect(touchOf(state({ quantity: "felt", path: null }))).toBeNull();
   expect(touchOf(state({ quantity: "wave" }))).toBeNull();
-  expect((readLink(writeLink(state({ quantity: "skin" }))) as State).quantity).toBe("skin");
+  expect(readLink(writeLink(state({ quantity: "skin" }))).quantity).toBe("skin");
 });
 
 test("samples are few enough that the core keeps G, and no farther apart than 2.5 mm", () => {

@@ -45,9 +45,7 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page) {
       const now = studio.view.state;
       const plane = partial?.plane === null ? (null as never) : { ...now.plane, ...partial?.plane };
       const next = structuredClone({ ...now, ...("pressures" in partial && { filled: [] }), ...partial, plane });
-      const state = checked(next, engine.catalogue);
-      if (typeof state === "string") throw new Error(state);
-      studio.change(state);
+      studio.change(checked(next, engine.catalogue));
     },
     /** Resolves when solutions and pictures match the state; the bound follows later. */
     settled: () => studio.settled(),

@@ -1,7 +1,7 @@
 /** The website: starts the engine, reads the link, shows the page. */
 
 import "./style.css";
-import { faultOf } from "../state/check.ts";
+import { check } from "../state/check.ts";
 import { type Engine, startEngine } from "../work/engine.ts";
 import { stateOf } from "../state/scene_file.ts";
 import { Eye } from "./eye.ts";
@@ -26,15 +26,11 @@ declare global {
 const root = document.getElementById("studio")!;
 const language: Language = navigator.language.startsWith("ja") ? "ja" : "en";
 
-/** Returns the state in the page's address, or a notice about its fault. */
-function linked({ catalogue }: Engine): State | Notice {
-  try {
-    const read = readLink(location.hash);
-    const fault = typeof read === "string" ? read : faultOf(read, catalogue);
-    return typeof read === "string" || fault ? noticeOf(fault) : read;
-  } catch (error) {
-    return noticeOf(error);
-  }
+/** Returns the state in the page's address; throws a message of one line about its fault. */
+function linked({ catalogue }: Engine): State {
+  const state = readLink(location.hash);
+  check(state, catalogue);
+  return state;
 }
 
 async function start() {
@@ -43,9 +39,11 @@ async function start() {
   const wrong: Notice[] = [];
   let begun = first;
   if (location.hash.length > 1) {
-    const read = linked(engine);
-    if ("code" in read) wrong.push(read);
-    else begun = read;
+    try {
+      begun = linked(engine);
+    } catch (error) {
+      wrong.push(noticeOf(error));
+    }
   }
   const served = new URLSearchParams(location.search);
   if (served.has("scene")) {
@@ -76,9 +74,11 @@ async function start() {
   let page = new Page(root, engine, studio, manner);
   window.midair = createHook(engine, studio, () => page);
   window.addEventListener("hashchange", () => {
-    const read = linked(engine);
-    if ("code" in read) page.alarm(unread(read));
-    else studio.change(read);
+    try {
+      studio.change(linked(engine));
+    } catch (error) {
+      page.alarm(unread(noticeOf(error)));
+    }
   });
   // Stores the site for use without a network; a page opened from a disk needs no storage.
   if (location.protocol !== "file:") void navigator.serviceWorker?.register("sw.js").catch(() => undefined);

@@ -68,17 +68,21 @@ const RULES: Record<keyof State, [Form, string]> = {
   ],
 };
 
-/** Returns a state rounded as in a link, or a message of one line about its fault. */
-export function checked(state: State, catalogue: Catalogue): State | string {
-  const fault = faultOf(state, catalogue);
-  if (fault) return fault;
+/** Returns a state rounded as in a link; throws a message of one line about its fault. */
+export function checked(state: State, catalogue: Catalogue): State {
+  check(state, catalogue);
   // A link cannot contain a user's own array.
-  const rounded = readLink(writeLink({ ...state, array: initial.array }));
-  return typeof rounded === "string" ? rounded : { ...rounded, array: state.array };
+  return { ...readLink(writeLink({ ...state, array: initial.array })), array: state.array };
 }
 
-/** Returns the fault of a state as a message of one line, "" if only numbers may be beyond their limits. */
-export function faultOf(state: State, { presets, solvers }: Catalogue): string {
+/** Throws a message of one line if a state has a fault other than a number beyond its limits. */
+export function check(state: State, catalogue: Catalogue): void {
+  const fault = faultOf(state, catalogue);
+  if (fault) throw new Error(fault);
+}
+
+/** Returns the fault of a state as a message of one line, or "". */
+function faultOf(state: State, { presets, solvers }: Catalogue): string {
   const quoted = (value: unknown) => (JSON.stringify(value) ?? String(value)).slice(0, 60);
   const unknown = Object.keys(state).find((key) => !(key in RULES));
   if (unknown) return `${unknown} is no part of the state: give some of ${Object.keys(RULES).join(", ")}`;

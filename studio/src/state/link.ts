@@ -23,7 +23,7 @@ import { initial, MOST_POINTS } from "./initial.ts";
 import { isSignature } from "./signature.ts";
 import { AXES, LEVELS, QUANTITIES, SCALES, VIEWS } from "./types.ts";
 import type { Obstacle, State, Vec3 } from "./types.ts";
-import { refuse } from "./notice.ts";
+import { notice, Refusal } from "./notice.ts";
 
 const QUANTIZATIONS = ["board", "none"] as const;
 const SLOTS = ["a", "b"] as const;
@@ -38,12 +38,9 @@ const LOUDEST = 1e6;
 
 const DECIMAL = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 
-/** The fault of a link, as a message of one line. */
-class Wrong extends Error {}
-
 function wrong(item: string, value: string, cure: string): never {
   const shown = value.length > 40 ? `${value.slice(0, 40)}...` : value;
-  throw new Wrong(`${item} is "${shown.replace(/\s/g, " ")}": ${cure}`);
+  throw new Error(`${item} is "${shown.replace(/\s/g, " ")}": ${cure}`);
 }
 
 function word<T extends string>(item: string, text: string, words: readonly T[]): T {
@@ -204,14 +201,12 @@ function read(fragment: string): State {
   return state;
 }
 
-/** Returns the state of a fragment (with or without #), or a message of one line about its fault. Throws for a broken "%". */
-export function readLink(fragment: string): State | string {
+/** Returns the state of a fragment (with or without #); throws a message of one line about its fault. */
+export function readLink(fragment: string): State {
   try {
     return read(decodeURIComponent(fragment));
   } catch (error) {
-    if (error instanceof Wrong) return error.message;
-    if (error instanceof URIError) refuse("link-broken");
-    throw error;
+    throw error instanceof URIError ? new Refusal(notice("link-broken")) : error;
   }
 }
 
