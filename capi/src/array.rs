@@ -18,14 +18,10 @@ pub unsafe extern "C" fn midair_array_preset(
     message: *mut c_char,
     message_size: usize,
 ) -> Outcome {
-    outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller guarantees name and array.
-        unsafe {
-            let made = text("preset", name).and_then(|name| midair::Array::preset(name, [tiles_x, tiles_y]));
-            give("array", array, made.map(Array))
-        }
-        .map(|()| "")
-    })
+    let preset = |name| midair::Array::preset(name, [tiles_x, tiles_y]);
+    let message = Message { text: message, size: message_size };
+    // SAFETY: the caller guarantees name and array.
+    unsafe { give("array", array, message, || Ok((Array(preset(text("preset", name)?)?), ""))) }
 }
 
 /// Makes the array of a kind of board, such as "nano16": its preset, or a grid if each owner wires this kind differently.
@@ -36,14 +32,9 @@ pub unsafe extern "C" fn midair_array_board(
     message: *mut c_char,
     message_size: usize,
 ) -> Outcome {
-    outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller guarantees kind and array.
-        unsafe {
-            let made = text("board", kind).and_then(|kind| midair::Array::of_board(kind, [1, 1]));
-            give("array", array, made.map(Array))
-        }
-        .map(|()| "")
-    })
+    let message = Message { text: message, size: message_size };
+    // SAFETY: the caller guarantees kind and array.
+    unsafe { give("array", array, message, || Ok((Array(midair::Array::of_board(text("board", kind)?, [1, 1])?), ""))) }
 }
 
 /// Makes a flat grid of nx by ny transducers that radiate to +z, with a pitch in m. It lies in the plane z = 0, centred on the
@@ -57,10 +48,9 @@ pub unsafe extern "C" fn midair_array_grid(
     message: *mut c_char,
     message_size: usize,
 ) -> Outcome {
-    outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller guarantees array.
-        unsafe { give("array", array, midair::Array::grid(nx, ny, pitch).map(Array)) }.map(|()| "")
-    })
+    let message = Message { text: message, size: message_size };
+    // SAFETY: the caller guarantees array.
+    unsafe { give("array", array, message, || Ok((Array(midair::Array::grid(nx, ny, pitch)?), ""))) }
 }
 
 /// Makes an array of count transducers at positions (count, 3) in m. They face along normals (count, 3), or along +z if normals
@@ -74,17 +64,14 @@ pub unsafe extern "C" fn midair_array_new(
     message: *mut c_char,
     message_size: usize,
 ) -> Outcome {
-    outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller guarantees the lists and array.
-        unsafe {
-            let made = vectors("positions", positions, count).and_then(|positions| {
-                let normals = list_or_none("normals", normals.cast::<[f64; 3]>(), count)?;
-                midair::Array::new(positions.to_vec(), normals.map(<[_]>::to_vec))
-            });
-            give("array", array, made.map(Array))
-        }
-        .map(|()| "")
-    })
+    // SAFETY: the caller guarantees the lists and array.
+    unsafe {
+        give("array", array, Message { text: message, size: message_size }, || {
+            let positions = vectors("positions", positions, count)?;
+            let normals = list_or_none("normals", normals.cast::<[f64; 3]>(), count)?;
+            Ok((Array(midair::Array::new(positions.to_vec(), normals.map(<[_]>::to_vec))?), ""))
+        })
+    }
 }
 
 /// Returns the number of transducers N; 0 for NULL.

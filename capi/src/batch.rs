@@ -10,7 +10,7 @@ use midair::files::Source;
 use midair::{Complex32, Control, Error, SolveRequest, Threads};
 
 use crate::answer::Answer;
-use crate::memory::{Complex, Lists, list, room, text, write};
+use crate::memory::{Complex, Lists, list, path_or_none, room, text, write};
 use crate::outcome::{Message, Outcome, outcome};
 use crate::session::{Session, State};
 
@@ -132,7 +132,7 @@ pub unsafe extern "C" fn midair_solve_scenes(
             let texts = list("scenes", scenes, count)?.iter().enumerate();
             let scenes: Result<Vec<&str>, Error> =
                 texts.map(|(k, &scene)| text(&format!("scenes[{k}]"), scene)).collect();
-            (scenes?, if folder.is_null() { None } else { Some(Path::new(text("folder", folder)?)) })
+            (scenes?, path_or_none("folder", folder)?)
         };
         let share = count.div_ceil(at_most(threads)).max(1);
         let part = |first: usize| -> Vec<Result<Solved, Error>> {

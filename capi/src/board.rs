@@ -2,7 +2,7 @@
 
 use std::ffi::c_char;
 
-use crate::memory::{Complex, drive as read_drive, give, handle, room, text, write};
+use crate::memory::{Complex, drive as read_drive, fill, give, handle, text};
 use crate::outcome::{Message, Outcome, outcome};
 use crate::session::Session;
 
@@ -86,14 +86,9 @@ pub unsafe extern "C" fn midair_board_new(
     message: *mut c_char,
     message_size: usize,
 ) -> Outcome {
-    outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller guarantees name and board.
-        unsafe {
-            let made = text("board", name).and_then(|name| midair::Board::new(name, transducers));
-            give("board", board, made.map(Board::from))
-        }
-        .map(|()| "")
-    })
+    let message = Message { text: message, size: message_size };
+    // SAFETY: the caller guarantees name and board.
+    unsafe { give("board", board, message, || Ok((midair::Board::new(text("board", name)?, transducers)?.into(), ""))) }
 }
 
 /// Makes as many boards of this kind as a session's array needs. Transducers that its option "channels", its preset or its
@@ -106,14 +101,14 @@ pub unsafe extern "C" fn midair_board_of_session(
     message: *mut c_char,
     message_size: usize,
 ) -> Outcome {
-    outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller guarantees name, session and board.
-        unsafe {
-            let made = text("board", name).and_then(|name| Session::behind(session)?.state()?.board(name));
-            give("board", board, made.map(Board::from))
-        }
-        .map(|()| "")
-    })
+    let message = Message { text: message, size: message_size };
+    // SAFETY: the caller guarantees name, session and board.
+    unsafe {
+        give("board", board, message, || {
+            let name = text("board", name)?;
+            Ok((Session::behind(session)?.state()?.board(name)?.into(), ""))
+        })
+    }
 }
 
 /// Returns the size of a frame in bytes, for all boards; 0 for NULL.
@@ -135,14 +130,12 @@ pub unsafe extern "C" fn midair_board_encode(
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
         let board = &handle("board", board)?.inner;
-        room("frame", frame, size, board.frame_size())?;
-        // SAFETY: the caller guarantees the drive.
-        let drive = unsafe { read_drive(drive, transducers) }?;
-        let mut bytes = vec![0; size];
-        board.encode(drive, &mut bytes)?;
-        // SAFETY: `room` was checked, and the caller guarantees the buffer.
-        unsafe { write(frame, &bytes) };
-        Ok("")
+        let mut bytes = vec![0; board.frame_size()];
+        // SAFETY: the caller guarantees the drive and the buffer.
+        unsafe {
+            board.encode(read_drive(drive, transducers)?, &mut bytes)?;
+            fill("frame", frame, size, &bytes)
+        }
     })
 }
 
@@ -162,11 +155,8 @@ pub unsafe extern "C" fn midair_board_silence(
     message_size: usize,
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
-        let silence = &handle("board", board)?.silence;
-        room("bytes", bytes, size, silence.len())?;
-        // SAFETY: `room` was checked, and the caller guarantees the buffer.
-        unsafe { write(bytes, silence) };
-        Ok("")
+        // SAFETY: the caller guarantees the buffer.
+        unsafe { fill("bytes", bytes, size, &handle("board", board)?.silence) }
     })
 }
 
@@ -179,11 +169,8 @@ pub unsafe extern "C" fn midair_board_link(
     message_size: usize,
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
-        let board = &handle("board", board)?.inner;
-        room("link", link, 1, 1)?;
-        // SAFETY: `room` was checked, and the caller guarantees the buffer.
-        unsafe { link.write(board.into()) };
-        Ok("")
+        // SAFETY: the caller guarantees the buffer.
+        unsafe { fill("link", link, 1, &[(&handle("board", board)?.inner).into()]) }
     })
 }
 

@@ -1,9 +1,12 @@
 //! Memory of the caller: reads and writes its handles, texts and lists.
 
 use std::ffi::{CStr, c_char};
+use std::path::Path;
 use std::slice;
 
 use midair::{Complex32, Error};
+
+use crate::outcome::{Message, Outcome, outcome};
 
 /// A complex number, the same in memory as C's `float _Complex` and C++'s `std::complex<float>`.
 #[repr(C)]
@@ -24,19 +27,26 @@ pub(crate) fn handle<'a, T>(item: &str, handle: Option<&'a T>) -> Result<&'a T, 
     handle.ok_or_else(|| Error::invalid(item, "NULL", format!("make one with midair_{item}_new() or the like")))
 }
 
-/// Writes a new handle to `place`, or NULL if the object could not be made.
+/// Makes a handle and writes its address to `place`, NULL after an error. The message is what `make` returns besides.
 ///
 /// # Safety
-/// `place` is NULL, or an aligned address that may be written.
-pub(crate) unsafe fn give<T>(item: &str, place: *mut *mut T, made: Result<T, Error>) -> Result<(), Error> {
-    check(item, place, 1)?;
-    let (handle, result) = match made {
-        Ok(made) => (Box::into_raw(Box::new(made)), Ok(())),
-        Err(error) => (std::ptr::null_mut(), Err(error)),
-    };
-    // SAFETY: `place` is not NULL, and the caller guarantees that it may be written.
-    unsafe { place.write(handle) };
-    result
+/// `place` is NULL or may be written; the rest is as `make` requires.
+pub(crate) unsafe fn give<T, S: AsRef<str>>(
+    item: &str,
+    place: *mut *mut T,
+    message: Message,
+    make: impl FnOnce() -> Result<(T, S), Error>,
+) -> Outcome {
+    outcome(message, || {
+        check(item, place, 1)?;
+        let (handle, said) = match make() {
+            Ok((made, said)) => (Box::into_raw(Box::new(made)), Ok(said)),
+            Err(error) => (std::ptr::null_mut(), Err(error)),
+        };
+        // SAFETY: `place` is not NULL, and the caller guarantees that it may be written.
+        unsafe { place.write(handle) };
+        said
+    })
 }
 
 /// Returns a text of the caller as `str`; `item` names it in errors.
@@ -50,6 +60,15 @@ pub(crate) unsafe fn text<'a>(item: &str, text: *const c_char) -> Result<&'a str
     // SAFETY: it is not NULL, and the caller guarantees that it ends with NUL.
     let text = unsafe { CStr::from_ptr(text) };
     text.to_str().map_err(|_| Error::invalid(item, text.to_string_lossy(), "give text in UTF-8"))
+}
+
+/// Reads a path, or `None` for NULL.
+///
+/// # Safety
+/// As for [`text`].
+pub(crate) unsafe fn path_or_none<'a>(item: &str, path: *const c_char) -> Result<Option<&'a Path>, Error> {
+    // SAFETY: the caller's guarantees are passed on.
+    if path.is_null() { Ok(None) } else { unsafe { text(item, path) }.map(|path| Some(Path::new(path))) }
 }
 
 /// Returns the `count` entries at an address.
@@ -138,6 +157,22 @@ pub(crate) fn room<T>(item: &str, start: *mut T, count: usize, needed: usize) ->
 pub(crate) unsafe fn write<T: Copy>(start: *mut T, values: &[T]) {
     // SAFETY: the caller's guarantees are passed on; the core's memory does not overlap with a buffer of the caller.
     unsafe { start.copy_from_nonoverlapping(values.as_ptr(), values.len()) };
+}
+
+/// Writes values to a buffer for `count` of them, after a check of its size. Returns an empty message.
+///
+/// # Safety
+/// The buffer is NULL or has room for `count` values.
+pub(crate) unsafe fn fill<T: Copy>(
+    item: &str,
+    start: *mut T,
+    count: usize,
+    values: &[T],
+) -> Result<&'static str, Error> {
+    room(item, start, count, values.len())?;
+    // SAFETY: `room` was checked, and the caller guarantees the buffer.
+    unsafe { write(start, values) };
+    Ok("")
 }
 
 /// Checks that an address is not NULL and is aligned, and that the list fits into memory.

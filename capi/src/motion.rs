@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use midair::{Complex32, Control, Error, Moving};
 
-use crate::memory::{Complex, room, write};
+use crate::memory::{Complex, fill, room, write};
 use crate::outcome::{Message, Outcome, outcome};
 use crate::session::{Session, State};
 
@@ -51,12 +51,11 @@ pub unsafe extern "C" fn midair_session_motion(
     outcome(Message { text: message, size: message_size }, || {
         // SAFETY: the caller guarantees the session.
         let state = unsafe { Session::behind(session) }?.state()?;
-        room("motion", motion, 1, 1)?;
         let moving = state.motion()?;
         let (frames, points) = (moving.frames(), moving.count());
-        // SAFETY: `room` was checked, and the caller guarantees the buffer.
-        unsafe { motion.write(Motion { frames, points, rate: moving.rate, closed: moving.closed.into() }) };
-        Ok("")
+        let shown = Motion { frames, points, rate: moving.rate, closed: moving.closed.into() };
+        // SAFETY: the caller guarantees the buffer.
+        unsafe { fill("motion", motion, 1, &[shown]) }
     })
 }
 

@@ -1,7 +1,6 @@
 //! Sessions: one array and one method for many requests, with memory that is reused.
 
 use std::ffi::c_char;
-use std::path::Path;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use midair::files::{Format, Source, open};
@@ -10,7 +9,9 @@ use midair::{Control, Error, Model, Moving, Precision, Problem, Request, SolveRe
 use crate::answer::{Answer, Metrics};
 use crate::array::Array;
 use crate::instruction_set::instruction_set;
-use crate::memory::{Complex, Lists, drive as read_drive, give, handle, list, room, text, vectors, write};
+use crate::memory::{
+    Complex, Lists, drive as read_drive, fill, give, handle, list, path_or_none, room, text, vectors, write,
+};
 use crate::option::{Input, Setting};
 use crate::outcome::{Message, Outcome, outcome};
 
@@ -119,20 +120,14 @@ pub unsafe extern "C" fn midair_session_new(
     message: *mut c_char,
     message_size: usize,
 ) -> Outcome {
-    outcome(Message { text: message, size: message_size }, || {
-        let mut news = String::new();
-        // SAFETY: the caller guarantees method and session.
-        unsafe {
-            let made = handle("array", array).and_then(|array| {
-                let setting = Setting::new(array.0.clone(), text("method", method)?)?;
-                let (state, said) = State::open(setting, &[])?;
-                news = said;
-                Ok(Session(Mutex::new(state)))
-            });
-            give("session", session, made)
-        }?;
-        Ok(news)
-    })
+    // SAFETY: the caller guarantees method and session.
+    unsafe {
+        give("session", session, Message { text: message, size: message_size }, || {
+            let setting = Setting::new(handle("array", array)?.0.clone(), text("method", method)?)?;
+            let (state, news) = State::open(setting, &[])?;
+            Ok((Session(Mutex::new(state)), news))
+        })
+    }
 }
 
 /// Makes a session from the text of a scene file, TOML or JSON: its array, medium, obstacles, signature, solver and points.
@@ -147,20 +142,14 @@ pub unsafe extern "C" fn midair_session_open(
     message: *mut c_char,
     message_size: usize,
 ) -> Outcome {
-    outcome(Message { text: message, size: message_size }, || {
-        let mut news = String::new();
-        // SAFETY: the caller guarantees scene, folder and session.
-        unsafe {
-            let made = text("scene", scene).and_then(|scene| {
-                let folder = if folder.is_null() { None } else { Some(Path::new(text("folder", folder)?)) };
-                let (state, said) = State::of_scene(scene, Source { name: "scene", folder })?;
-                news = said;
-                Ok(Session(Mutex::new(state)))
-            });
-            give("session", session, made)
-        }?;
-        Ok(news)
-    })
+    // SAFETY: the caller guarantees scene, folder and session.
+    unsafe {
+        give("session", session, Message { text: message, size: message_size }, || {
+            let (scene, folder) = (text("scene", scene)?, path_or_none("folder", folder)?);
+            let (state, news) = State::of_scene(scene, Source { name: "scene", folder })?;
+            Ok((Session(Mutex::new(state)), news))
+        })
+    }
 }
 
 /// Returns the number N of a session's transducers, the length of a drive; 0 for NULL and for a session in use by another
@@ -288,7 +277,6 @@ pub unsafe extern "C" fn midair_session_judge(
     outcome(Message { text: message, size: message_size }, || {
         // SAFETY: the caller guarantees valid arguments.
         let state = unsafe { Session::behind(session) }?.state()?;
-        room("metrics", metrics, 1, 1)?;
         // SAFETY: the caller guarantees the lists.
         let (drive, Lists { points, pressures, weights }) =
             unsafe { (read_drive(drive, transducers)?, Lists::read(points, pressures, weights, count)?) };
@@ -297,9 +285,8 @@ pub unsafe extern "C" fn midair_session_judge(
         let control = &mut Control::none();
         let judged =
             Problem::of_model(&state.model, points, &request, control)?.judge(drive, Precision::Double, control)?;
-        // SAFETY: `room` was checked, and the caller guarantees the buffer.
-        unsafe { metrics.write(judged.into()) };
-        Ok("")
+        // SAFETY: the caller guarantees the buffer.
+        unsafe { fill("metrics", metrics, 1, &[judged.into()]) }
     })
 }
 
@@ -320,11 +307,9 @@ pub unsafe extern "C" fn midair_session_field(
         let state = unsafe { Session::behind(session) }?.state()?;
         // SAFETY: the caller guarantees the lists.
         let (drive, points) = unsafe { (read_drive(drive, transducers)?, vectors("points", points, count)?) };
-        room("pressures", pressures, count, points.len())?;
         let field = midair::field(&state.model, drive, points, &mut Control::none())?;
-        // SAFETY: `room` was checked, and the caller guarantees the buffer; both complex types are two consecutive f32.
-        unsafe { write(pressures.cast(), &field) };
-        Ok("")
+        // SAFETY: the caller guarantees the buffer; both complex types are two consecutive f32.
+        unsafe { fill("pressures", pressures.cast(), count, &field) }
     })
 }
 
