@@ -29,11 +29,12 @@ export function refuse(code: Code, put: Put = {}, place = ""): never {
   throw new Refusal(notice(code, put, place));
 }
 
-/** Returns the notice of any error; `place` is where it was met, unless it has a place of its own. */
+/** Returns the notice of any error; `place` is the file in which it was met, and is written before a place that lacks it. */
 export function noticeOf(error: unknown, place = ""): Notice {
   const text = error instanceof Error ? error.message : String(error);
   const given: Notice = error instanceof Refusal ? error.notice : { code: "", text, plain: text, place: "", put: {} };
-  return place && !given.place ? { ...given, place, text: `${place}: ${given.text}` } : given;
+  if (given.place.startsWith(place)) return given;
+  return { ...given, place: [place, given.place].filter(Boolean).join(": "), text: `${place}: ${given.text}` };
 }
 
 /** Returns the Japanese sentence of a notice, without its place; "" if it has none. */
