@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import firmware
+from midair import ports
 
 SCENE = '[array]\npreset = "sonicsurface"\n\n[[points]]\nposition = [0.0, 0.0, 0.15]\n'
 
@@ -140,8 +141,6 @@ def test_a_file_of_what_moves_is_sent_to_the_command_for_it(tmp_path: Path) -> N
 def test_ports_say_what_an_adapter_could_lead_to(monkeypatch: pytest.MonkeyPatch) -> None:
     from serial.tools import list_ports, list_ports_common
 
-    from midair import _boards as boards
-
     found = []
     for name, vid, pid in (("a", 0x2341, 0x42), ("b", 0x1A86, 0x7523), ("c", 0x1A86, 1), ("d", None, None)):
         port = list_ports_common.ListPortInfo(name)
@@ -152,7 +151,7 @@ def test_ports_say_what_an_adapter_could_lead_to(monkeypatch: pytest.MonkeyPatch
         port.vid, port.pid, port.product = 0x0403, 0x6001, product
         found.append(port)
     monkeypatch.setattr(list_ports, "comports", lambda: found)
-    (serial, fifo, *reported) = [port.could_be for port in boards.ports()]
+    (serial, fifo, *reported) = [port.could_be for port in ports()]
     assert "sonicsurface" in serial
     assert fifo == "an FT245: openmpd"
     assert "mega64" in reported[0]

@@ -66,7 +66,7 @@ def test_gorkov_is_what_differences_in_double_precision_give(directivity: Any, a
     np.testing.assert_allclose(found.hessian, hessian, rtol=0, atol=1e-8 * coarse * k * k * scale)
     np.testing.assert_array_equal(found.stiffness, np.diagonal(found.hessian, axis1=1, axis2=2))
     # A point alone gives the same bits as all points together.
-    alone = midair.gorkov(scene, drive, points[3:4], **particle)
+    alone = midair.gorkov(scene, drive, points[3:4], bead=particle)
     assert alone.potential[0] == found.potential[3]
     assert np.array_equal(alone.hessian[0], found.hessian[3])
     assert pickle.loads(pickle.dumps(found)) == found != alone

@@ -36,12 +36,15 @@ impl<'a> Item<'a> {
     }
 
     /// Converts an error of the drawing function, such as `radius is -0.03: give a number above 0`, to an error about that key
-    /// of this table.
+    /// of this table. Another error keeps its parts, and gets the place of the table.
     pub(super) fn reported(&self, error: Error) -> Fault {
         // A key such as `am.frequency` is one of an inner table, an item such as `samples[2]` one of a list.
         let known = schema::keys(&self.path).any(|known| error.item.split(['.', '[']).next() == Some(known));
-        if !known {
+        if error.item.is_empty() {
             return self.refused(&error.to_string());
+        }
+        if !known {
+            return Fault::at(self.path.as_str(), error);
         }
         let path = format!("{}.{}", self.path, error.item);
         match error.code {

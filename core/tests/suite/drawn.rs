@@ -81,14 +81,8 @@ fn a_refusal_is_reported_with_the_place_of_its_key() {
             ", line 15, column 10: shape[0].height is -1: give more; for example height = 0.03",
         ),
         (["step", "left out", "give one"], ", line 13, column 1: shape[0].step is left out: give one"),
-        (
-            ["svgelements", "missing", "install it"],
-            ", line 13, column 1: shape[0] is a table of kind, height, string, z: svgelements",
-        ),
-        (
-            ["it", "late", "come back"],
-            ", line 13, column 1: shape[0] is a table of kind, height, string, z: it is late: come",
-        ),
+        (["svgelements", "missing", "install it"], ", line 13, column 1: svgelements is missing: install it"),
+        (["it", "late", "come back"], ", line 13, column 1: it is late: come back"),
     ] {
         let error = reported(SCENE, Format::Toml, &refusal(answer));
         assert!(error.starts_with(&format!("drawn.toml{begin}")), "{error}");
