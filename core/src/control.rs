@@ -173,15 +173,15 @@ impl<'a> Control<'a> {
     #[inline]
     pub fn pulse(&mut self) -> Result<(), Error> {
         self.pulses = self.pulses.wrapping_add(1);
-        if !self.pulses.is_multiple_of(PULSES) || self.received {
-            return Ok(());
-        }
-        self.beat()
+        if self.pulses.is_multiple_of(PULSES) { self.beat() } else { Ok(()) }
     }
 
     /// Passes a pulse on to the observer.
     #[inline(never)]
     fn beat(&mut self) -> Result<(), Error> {
+        if self.received {
+            return Ok(());
+        }
         self.received = self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
             || self.observer.as_mut().is_some_and(|observer| observer.pulse().is_break());
         if self.received { Err(Error::stopped()) } else { Ok(()) }
@@ -219,18 +219,20 @@ impl<'a> Control<'a> {
         }
     }
 
-    /// Calls `run` for every part, on all threads. Meanwhile the calling thread waits for a stop. Returns the error
-    /// of the first part that has one.
+    /// Calls `run` for every part, on all threads. Meanwhile the calling thread waits for a stop, after which no part begins.
+    /// Returns the error of the first part that has one.
     pub(crate) fn each<T: Send>(
         &mut self,
         parts: Vec<T>,
         run: &(dyn Fn(T, &mut Control) -> Result<(), Error> + Sync),
     ) -> Result<(), Error> {
         let (stop, memory, threads) = (AtomicBool::new(false), self.memory, self.threads.clone());
-        let alone = |part: T| run(part, &mut Control { stop: Some(&stop), memory, ..Control::default() });
-        match threads.spread(parts, &stop, &mut || self.pulse().is_ok(), &alone) {
+        // A part may be too short for a pulse that is passed on, so each begins with one.
+        let begin = |part: T, control: &mut Control| control.beat().and_then(|()| run(part, control));
+        let alone = |part: T| begin(part, &mut Control { stop: Some(&stop), memory, ..Control::default() });
+        match threads.spread(parts, &stop, &mut || self.beat().is_ok(), &alone) {
             Ok(results) => results.into_iter().collect(),
-            Err(parts) => parts.into_iter().try_for_each(|part| run(part, &mut self.part())),
+            Err(parts) => parts.into_iter().try_for_each(|part| begin(part, &mut self.part())),
         }
     }
 }

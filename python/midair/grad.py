@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _midair
 from ._midair import Array, Bead, Scene, Solution
 from ._support import slips
+from ._support.arguments import refused
 
 __all__ = ["Gradient", "amplitude", "force", "gorkov", "pressure", "radiation", "stiffness"]
 
@@ -114,7 +115,7 @@ def pressure(
     >>> bool(abs(by.drive[0]) == abs(by.value[0]))
     True
     """
-    return Gradient(*_midair.gradient("pressure", scene, drive, points, cotangent))
+    return _gradient("pressure", scene, drive, points, cotangent)
 
 
 def amplitude(
@@ -149,7 +150,7 @@ def amplitude(
     >>> round(float(by.value[0]), 6), round(float(by.points[0, 2]), 6)
     (43.86, -438.6)
     """
-    return Gradient(*_midair.gradient("amplitude", scene, drive, points, cotangent))
+    return _gradient("amplitude", scene, drive, points, cotangent)
 
 
 def radiation(
@@ -184,7 +185,7 @@ def radiation(
     >>> round(float(by.value[0] / (43.86**2 / (1.223 * 340**2))), 6)
     1.0
     """
-    return Gradient(*_midair.gradient("radiation", scene, drive, points, cotangent))
+    return _gradient("radiation", scene, drive, points, cotangent)
 
 
 def gorkov(
@@ -226,7 +227,7 @@ def gorkov(
     >>> bool(abs(by.points + force).max() < 1e-9 * abs(force).max())
     True
     """
-    return Gradient(*_midair.gradient("gorkov", scene, drive, points, cotangent, bead))
+    return _gradient("gorkov", scene, drive, points, cotangent, bead)
 
 
 def force(
@@ -265,7 +266,7 @@ def force(
     >>> by.value.shape, by.points.shape
     ((1, 3), (1, 3))
     """
-    return Gradient(*_midair.gradient("force", scene, drive, points, cotangent, bead))
+    return _gradient("force", scene, drive, points, cotangent, bead)
 
 
 def stiffness(
@@ -304,7 +305,14 @@ def stiffness(
     >>> by.value.shape, by.drive.shape
     ((1, 3), (1,))
     """
-    return Gradient(*_midair.gradient("stiffness", scene, drive, points, cotangent, bead))
+    return _gradient("stiffness", scene, drive, points, cotangent, bead)
+
+
+def _gradient(*call: Any) -> Gradient:
+    """Return value and gradients; the arguments are those of the extension, the fifth is the cotangent."""
+    if call[4] is None:
+        raise refused("cotangent", None, "give dL by the value at each point, or one number for all")
+    return Gradient(*_midair.gradient(*call))
 
 
 def run(

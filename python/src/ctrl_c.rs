@@ -86,8 +86,9 @@ impl Watch {
     /// A step of greedy takes 0.1 us, reading the clock a third of that. So the clock is read only once in as many calls as
     /// fill a tenth of the interval, and at least once in `most` calls.
     fn due(&mut self, most: u32) -> bool {
+        // Fast steps may have set more than the slow pulses after them may count down.
         if self.left > 0 {
-            self.left -= 1;
+            self.left = self.left.min(most) - 1;
             return false;
         }
         let now = Instant::now();

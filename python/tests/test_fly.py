@@ -149,6 +149,7 @@ def test_the_bead_is_that_of_the_sequence() -> None:
     ("keywords", "refusal"),
     [
         ({"beads": [[0, 0]]}, "beads"),
+        ({"beads": np.zeros((0, 3))}, "beads is of shape"),
         ({"speeds": [[0, 0]]}, "speeds is of shape"),
         ({"duration": 0.0}, "duration is 0.0"),
         ({"bead": {"radius": -1.0}}, "bead.radius is -1"),

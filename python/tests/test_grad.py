@@ -74,6 +74,7 @@ def test_a_wall_doubles_the_field_on_it() -> None:
         ({"points": ARRAY.positions[:1]}, "points[0] is 0.000e0 m from transducer 0"),
         ({"cotangent": [1, 2, 3]}, "cotangent is of shape (3,): give one"),
         ({"cotangent": [1j, 1]}, "cotangent is "),
+        ({"cotangent": None}, "cotangent is None: give dL by the value at each point"),
         ({"cotangent": [np.inf, 1]}, "cotangent[0] is inf: give finite numbers"),
     ],
 )

@@ -1,5 +1,6 @@
 """Moving traps, traps for a bead that the scene describes, and a signature for each point."""
 
+import copy
 import pickle
 from typing import Any
 
@@ -182,6 +183,14 @@ def test_each_point_may_have_its_own_signature() -> None:
     ):
         with pytest.raises(midair.SceneError, match=refusal):
             scene.replace(signature=bad)
+
+
+@pytest.mark.parametrize("copied", [lambda one: pickle.loads(pickle.dumps(one)), copy.copy, copy.deepcopy])
+def test_what_rests_can_be_copied(copied: Any) -> None:
+    rest = midair.rest(midair.Scene(midair.Array(*traps.tinylev()), [[0, 0, 0]]), np.ones(72))
+    again = copied(rest)
+    for name in ("place", "held", "stiffness", "axes", "basin", "restoring", "frequencies"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(rest, name))
 
 
 def test_traps_are_made_for_the_bead_of_the_scene() -> None:

@@ -182,9 +182,9 @@ impl Course {
         let needed = duration.map(|duration| math::ceil(duration / self.spacing()) as usize);
         if self.closed {
             let laps = math::ceil(1.0 / (lap as f64 * self.spacing())) as usize;
-            return Ok(needed.unwrap_or(laps.clamp(1, LAPS) * lap) + 1);
+            return Ok(needed.unwrap_or(laps.clamp(1, LAPS) * lap).saturating_add(1));
         }
-        let knots = needed.map_or(lap, |needed| lap.min(needed + 1));
+        let knots = needed.map_or(lap, |needed| lap.min(needed.saturating_add(1)));
         if knots < 2 {
             let value = duration.map_or_else(|| "None".into(), |duration| alloc::format!("{duration:?}"));
             let cure = "the sequence is too short for a flight, give more frames";

@@ -41,7 +41,7 @@ impl Envelope {
     /// Returns how many of the last frames of a lap of `frames` frames affect the radiation after the lap.
     #[must_use]
     pub fn memory(&self, frames: usize) -> usize {
-        frames.min(math::ceil(FORGOTTEN * self.tau * self.rate) as usize + 1)
+        frames.min((math::ceil(FORGOTTEN * self.tau * self.rate) as usize).saturating_add(1))
     }
 
     /// Returns y (N,) at the start of a sequence that repeats, from the drives (L, N) of its last [`Envelope::memory`] frames

@@ -182,7 +182,7 @@ def plan(
     array = made if isinstance(made, Array) else made.array
     line = 1 / board.limits["steady_frames_per_second"] if board else 0.0
     count = int(number("seconds", seconds, above=0) / (line + settle + LISTEN))
-    drives = calibration_drives(array, PLENTY, microphones=microphones, seed=seed)[:count]
+    drives = calibration_drives(array, PLENTY, microphones=microphones, seed=seed)[: max(count, 1)]
     return np.array([board.decode(board.encode(drive)) for drive in drives]) if board else drives
 
 

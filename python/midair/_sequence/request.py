@@ -130,6 +130,8 @@ def warn_of_speed(requested: Request, phases: int | None, solver: str) -> None:
     info = solvers().get(solver)
     if info is not None and "change" not in info.options:
         return
+    if requested.change > pi:
+        return  # It binds nothing.
     needed, speed = _needed(requested)
     step = 0.0 if phases is None else 2 * pi / phases
     allowed = step * floor(requested.change / step + 1e-9) if step else requested.change

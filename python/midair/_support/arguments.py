@@ -20,6 +20,9 @@ from numpy.typing import NDArray
 
 from .._midair import SceneError, SceneWarning, numbers, stated
 
+#: Sizes of numbers within which products of a few of them neither overflow nor vanish.
+SMALLEST, GREATEST = 1e-100, 1e100
+
 #: Largest size in bytes of a drawing or a scene file.
 MOST_BYTES = 64 << 20
 
@@ -73,6 +76,8 @@ def number(item: str, value: Any, *, above: float | None = None, least: float | 
         raise refused(item, value, "give a finite number", "not-finite")
     if (above is not None and value <= above) or (least is not None and value < least):
         raise refused(item, value, f"give a number{bound}", "out-of-range")
+    if value and not SMALLEST <= abs(value) <= GREATEST:
+        raise refused(item, value, f"give a number from {SMALLEST:g} to {GREATEST:g} in size", "out-of-range")
     return float(value)
 
 

@@ -42,6 +42,9 @@ LAPS = 5.0
 #: Initial schedules of the ascent: jumps per period, their frequency in Hz, the length in m they cover.
 JUMPS = ((5, 285.0, 0.03), (2, 285.0, 0.018))
 
+#: Largest rate in frames per second, above every board's: the time of the search grows with the rate.
+FASTEST = 50e3
+
 #: Largest plausible `beside` in m.
 WIDEST = 0.1
 
@@ -180,6 +183,8 @@ def haptic(
     if not isinstance(array, Array):
         raise TypeError(f"expected a midair.Array second, not {type(array).__qualname__}")
     frames = number("rate", rate, above=0)
+    if frames > FASTEST:
+        raise refused("rate", rate, f"give at most {FASTEST:g} frames per second, the time of the search grows with it")
     most = math.pi if change is None else bound(frames, change, None)
     if word("aim", aim) not in ("strong", "even"):
         raise refused("aim", aim, 'give "strong" or "even"')

@@ -38,6 +38,9 @@ TOP = 20.0
 #: Times in s: between two places of the path, and the shortest time in which the force may change.
 TICK, SMOOTH = 1e-4, 1e-3
 
+#: Longest run in s.
+LONGEST = 100.0
+
 
 def fastest(
     points: ArrayLike,
@@ -107,7 +110,7 @@ def fastest(
     curve = _smooth(_places(points), loop)
     traps = _traps(scene, curve)
     speeds = _speeds(scene, curve, traps, share, loop)
-    places = curve.at(_timed(curve.step, speeds, loop), loop)
+    places = curve.at(_timed(curve.step, speeds, loop, share), loop)
     return from_array(places[:, None], rate=1 / TICK, closed=loop)
 
 
@@ -296,10 +299,13 @@ def _speeds(scene: Scene, curve: _Curve, traps: _Traps, share: float, loop: bool
     return found
 
 
-def _timed(step: float, squares: Numbers, loop: bool) -> Numbers:
+@np.errstate(divide="ignore", invalid="ignore")
+def _timed(step: float, squares: Numbers, loop: bool, margin: float) -> Numbers:
     """Return lengths (T,) in m along the curve at each tick of a run with these squared speeds, smoothed."""
     speeds = np.sqrt(squares)
     times = np.concatenate([[0], np.cumsum(2 * step / (speeds[1:] + speeds[:-1]))])
+    if not times[-1] < LONGEST:
+        raise refused("margin", margin, f"the run takes more than {LONGEST:g} s, give a larger part")
     count = int(np.ceil(times[-1] / TICK))
     lap, length = times[-1], step * (len(speeds) - 1)
     # Twice, this many ticks on each side are averaged. This lengthens a run from rest to rest by as many
