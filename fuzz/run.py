@@ -26,7 +26,7 @@ TARGET = "x86_64-unknown-linux-gnu"
 SLICE = 600
 
 RUST = ("scene", "positions", "sweep", "solve", "field", "session", "instruction_sets", "frames")
-PYTHON = ("arguments", "chunks", "sweep_file", "picture", "drawing", "resume", "sequence_file")
+PYTHON = ("arguments", "functions", "chunks", "sweep_file", "picture", "drawing", "resume", "sequence_file")
 
 #: The largest length of an input in bytes: short inputs are faster and find as much.
 LENGTHS = dict.fromkeys(RUST, 1024) | {"positions": 256, "frames": 640} | dict.fromkeys(PYTHON, 4096)

@@ -91,7 +91,7 @@ impl Pushes {
     /// Add frames (K, P) in Pa, from frame `first` on.
     fn add(&mut self, py: Python<'_>, first: usize, values: PyReadonlyArray2<'_, f32>) -> PyResult<()> {
         let values = values.as_slice()?;
-        py.detach(|| self.0.add(first, values)).map_err(refused)
+        attend(py, None, |mut control| self.0.add(first, values, &mut control))
     }
 
     /// Return frequencies (L,) in Hz, the mean (P,) in Pa and complex amplitudes (L, P) in Pa.

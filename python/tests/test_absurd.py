@@ -1,6 +1,4 @@
-"""Absurd arguments: numbers of any size, empty and ragged lists, None, text. Each function answers or refuses in one
-line, and it never takes long.
-"""
+"""Absurd arguments, as numbers of any size, empty or ragged lists, None: each gets an answer or one line."""
 
 from __future__ import annotations
 
@@ -19,7 +17,7 @@ SOLUTION = midair.solve(SCENE)
 LINE = [[-0.02, 0, 0.15], [0.02, 0, 0.15]]
 FRAMES = np.array([LINE, LINE])
 DRIVE = np.ones(len(ARRAY))
-TRAPS = midair.sequence(PAIR, np.zeros((2, 1, 3)), rate=500, signature="trap", closed=True)
+TRAPS = midair.sequence(PAIR, np.zeros((2, 1, 3)), rate=500, signature="trap", closed=True, ahead="all")
 ANGLE = np.linspace(0, 2 * np.pi, 24, endpoint=False)
 RING = 5e-3 * np.stack([np.cos(ANGLE), np.sin(ANGLE), 0 * ANGLE], axis=1)
 
@@ -60,7 +58,9 @@ def sequence(**bad: Any) -> Any:
 
 
 GROUPS: dict[str, dict[str, Call]] = {
-    "haptic": keywords(haptic, "shape", "array", "rate", "aim", "change", "beside", "ears", "limit", "loss", "tau"),
+    "haptic": keywords(
+        haptic, "shape", "array", "rate", "aim", "change", "beside", "ears", "limit", "loss", "tau"
+    ),
     "skin": keywords(
         lambda **bad: midair.skin(**({"sequence": TRAPS} | bad)),
         *("sequence", "hand", "speed", "loss", "mass", "reach", "tau"),
@@ -77,13 +77,24 @@ GROUPS: dict[str, dict[str, Call]] = {
     "pressure": keywords(grad("pressure"), "scene", "drive", "points", "cotangent"),
     "force": keywords(grad("force"), "scene", "drive", "points", "cotangent", "bead"),
     "stiffness": keywords(grad("stiffness"), "drive", "points", "cotangent", "bead"),
-    "rest": {"points": lambda bad: midair.rest(SCENE, DRIVE, bad), "bead": lambda bad: midair.rest(SCENE, DRIVE, bead=bad)},
+    "rest": {
+        "points": lambda bad: midair.rest(SCENE, DRIVE, bad),
+        "bead": lambda bad: midair.rest(SCENE, DRIVE, bead=bad),
+    },
     "tolerate": keywords(
         lambda **bad: midair.tolerate(**({"scene": SCENE, "trials": 2, "drive": SOLUTION} | bad)),
         *("phase", "gain", "dead", "temperature", "tilt", "position", "seed"),
     ),
     "doctor": keywords(
-        doctor, "board", "microphones", "seconds", "settle", "boards", "temperature", "microphones_error", "seed"
+        doctor,
+        "board",
+        "microphones",
+        "seconds",
+        "settle",
+        "boards",
+        "temperature",
+        "microphones_error",
+        "seed",
     )
     | {"read": simulated},
     "calibrate": {
@@ -127,4 +138,3 @@ def test_absurd_arguments_get_one_line_or_an_answer(name: str) -> None:
             # Python's own words are of the package's inside, not of the argument.
             assert "unsupported operand" not in text, bad
             assert "has no attribute" not in text, bad
-

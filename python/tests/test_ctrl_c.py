@@ -2,7 +2,6 @@
 
 import os
 import random
-import signal
 import subprocess
 import sys
 
@@ -18,8 +17,7 @@ ALLOWED, LATEST = 0.5, 1.5
 #: Time limit in s, far above the time that Ctrl-C may take: a hang is a failed test, not a hung test suite.
 HANG = 120
 
-#: The child runs the call again and again; each time a timer of CPU time sends Ctrl-C. A call that ends before
-#: is begun again, until the signal has come.
+#: The child runs the call until a timer of CPU time sends Ctrl-C, once for each moment.
 PROGRAM = """
 import signal, sys, tempfile, time, warnings, midair, numpy as np
 warnings.simplefilter("ignore")
@@ -30,12 +28,15 @@ def near(*shape, z=0.2):
     return random.uniform(-0.05, 0.05, (*shape, 3)) + [0, 0, z]
 def large(count):
     return midair.Scene(midair.Array.grid(200, 200, pitch=0.005), near(count, z=0.3))
-def mesh(steps):
-    u, v = np.meshgrid(np.linspace(0, 1, steps), np.linspace(0, 1, steps), indexing="ij")
-    flat = np.stack([0.1 * u - 0.05, 0.1 * v - 0.05, 0.02 * u * v + 0.2], -1).reshape(-1, 3)
-    i = (np.arange(steps - 1)[:, None] * steps + np.arange(steps - 1)).ravel()
-    return midair.Mesh(flat, np.r_[np.c_[i, i + 1, i + steps], np.c_[i + 1, i + steps + 1, i + steps]])
+def played(count):
+    targets, drives = np.ones((20000, count)), np.tile(ones, (20000, 1))
+    return midair.Sequence(four, near(20000, count), targets, drives, rate=2e4)
+def off(*shape):
+    return random.normal(1, 0.05, shape)
+request = {"array": {"preset": "sonicsurface"}, "solver": {"name": "fast"}, "seeds": 10**6,
+    "points": {"count": [2, 3], "x": [-0.04, 0.04], "y": [-0.04, 0.04], "z": [0.1, 0.15]}}
 four, pair = midair.Array.preset("autd3", (2, 2)), midair.Array.preset("openmpd_pair", quantization={})
+ones = np.ones(len(four), np.complex64)
 angle = np.linspace(0, 2 * np.pi, 2000, endpoint=False)
 circle = np.stack([0.02 * np.cos(angle), 0.02 * np.sin(angle), 0 * angle], -1)[:, None]
 SETUP
@@ -52,79 +53,83 @@ for moment in MOMENTS:
     print(time.process_time() - begin - moment, flush=True)
 """
 
-#: The calls, each with what it needs: the whole call takes much longer than `LATEST`.
+#: What several calls need: an array beside a new mesh, points, readings of microphones.
+MESH = """import trimesh
+def scene(points):
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=random.uniform(0.02, 0.021))
+    return midair.Scene(four, points, obstacles=[midair.Mesh(ball.vertices + [0, 0, 0.25], ball.faces)])"""
+POINTS = "points = near(8000); scene = midair.Scene(four, points)"
+READINGS = """places = near(6)
+matrix, drives = midair.Scene(four, places).propagation(), midair.calibration_drives(four, 4.0, microphones=6)
+received = np.abs(drives @ matrix.T) * off(len(drives), 6)"""
+
+#: The calls, each with what it needs before. A whole call takes longer than `LATEST`.
 CALLS = {
-    "solve, greedy": ('midair.solve(few, "greedy", amplitudes=256, phases=4096, objective="l1")', "few = large(16)"),
+    "solve, greedy": (
+        'midair.solve(few, "greedy", amplitudes=256, phases=4096, objective="l1")',
+        "few = large(16)",
+    ),
     "solve, evd": ('midair.solve(many, "evd")', "many = large(3000)"),
     "solve, sdp": ('midair.solve(many, "sdp")', "many = large(3000)"),
     "solve, tikhonov": ('midair.solve(many, "tikhonov")', "many = large(3000)"),
     "solve, uniform": ('midair.solve(many, "uniform")', "many = large(3000)"),
     "solve, descent": ('midair.solve(many, "descent", steps=100000)', "many = large(300)"),
     "solve, lm": ('midair.solve(many, "lm")', "many = large(3000)"),
-    "solve, traps": ('midair.solve(many)', 'many = midair.Scene(four, near(64), signature="trap")'),
+    "solve, traps": ("midair.solve(many)", 'many = midair.Scene(four, near(64), signature="trap")'),
+    "solve, a matrix": (
+        'midair.solve(matrix, "gs")',
+        "matrix = midair.Propagation(random.normal(size=(3000, 6000)) + 1j)",
+    ),
     "Solver": ("follow(points)", 'follow, points = midair.Solver(large(1).array, "lm"), near(3000)'),
     "solve_batch": ('midair.solve_batch(four, points, solver="lm")', "points = near(20000, 64)"),
     "compare": ("midair.compare(many)", "many = large(300)"),
-    "field": ("midair.field(few, drive, midair.Plane(0.2, 0.2, pixels=2000))", "few, drive = large(4), np.ones(40000)"),
-    "field beside a mesh": (
-        "midair.field(midair.Scene(four, near(1, z=.1), obstacles=[mesh(36)]), np.ones(len(four)), midair.Plane(.1, .1))",
-        "",
-    ),
+    "field": ("midair.field(few, np.ones(40000), midair.Plane(0.2, 0.2, pixels=2000))", "few = large(4)"),
+    "field beside a mesh": ("midair.field(scene(near(1, z=0.1)), ones, midair.Plane(0.1, 0.1))", MESH),
     "propagation": ("large(20000).propagation()", ""),
-    "propagation, a large matrix": ("midair.solve(matrix, 'gs')", "matrix = midair.Propagation(random.normal(size=(3000, 6000)) + 1j)"),
+    "propagation beside a mesh": ("scene(near(3, z=0.1)).propagation()", MESH),
     "reach": ("many.reach()", "many = large(3000)"),
     "judge": ("midair.judge(many, np.ones(40000))", "many = large(5000)"),
-    "judge, many drives": ("midair.judge(four, drives, points=near(8))", "drives = np.ones((60000, len(four)), np.complex64)"),
+    "judge, many drives": ("midair.judge(four, np.tile(ones, (20000, 1)), points=near(20000, 8))", ""),
     "bound": ("midair.bound(few)", "few = large(16)"),
     "gorkov": ("midair.gorkov(few, np.ones(40000), points)", "few, points = large(1), near(20000)"),
-    "gorkov, large spheres": (
-        'midair.gorkov(midair.Scene(four, points), np.ones(len(four)), points, bead={"radius": 4e-3})',
-        "points = near(8000)",
+    "gorkov, large spheres": ("midair.gorkov(scene, ones, points, bead={'radius': 4e-3})", POINTS),
+    "rest": ("midair.rest(scene, ones, points)", POINTS),
+    "streaming": (
+        "midair.streaming(few, np.ones(40000), midair.Plane(0.2, 0.2, pixels=1000))",
+        "few = large(4)",
     ),
-    "rest": ("midair.rest(scene, np.ones(len(pair)), points)", 'points = near(20000, z=0); scene = midair.Scene(pair, points)'),
-    "streaming": ("midair.streaming(few, np.ones(40000), midair.Plane(0.2, 0.2, pixels=1000))", "few = large(4)"),
-    "exposure": ('midair.exposure(few, np.ones(40000), {"head": near(200000)})', "few = large(4)"),
-    "grad.amplitude": ("midair.grad.amplitude(few, np.ones(40000), points)", "few, points = large(1), near(20000)"),
-    "grad.force": ("midair.grad.force(few, np.ones(40000), points, np.ones((20000, 3)))", "few, points = large(1), near(20000)"),
-    "grad.stiffness": ("midair.grad.stiffness(few, np.ones(40000), points)", "few, points = large(1), near(20000)"),
+    "exposure": ("midair.exposure(few, np.ones(40000), {'head': near(200000)})", "few = large(4)"),
+    **{
+        f"grad.{name}": (f"midair.grad.{name}(few, np.ones(40000), near(20000))", "few = large(1)")
+        for name in ("pressure", "amplitude", "gorkov", "force", "stiffness")
+    },
     "sequence": ("midair.sequence(four, near(4000, 8), rate=1e3)", ""),
-    "sequence, foci ahead": ('midair.sequence(four, near(2000, 8), rate=1e3, ahead="all", change=0.1)', ""),
-    "sequence, traps ahead": (
-        'midair.sequence(pair, circle, rate=4e3, signature="trap", ahead="all", closed=True)', ""
-    ),
-    "sequence.judge": ("played.judge()", "played = midair.Sequence(four, near(20000, 8), np.ones((20000, 8)), np.ones((20000, len(four)), np.complex64), rate=1e3)"),
+    "sequence, foci ahead": ("midair.sequence(four, near(2000, 8), rate=1e3, ahead='all', change=0.1)", ""),
+    "sequence, traps ahead": ("midair.sequence(pair, circle, rate=4e3, signature='trap', ahead='all')", ""),
+    "sequence.judge": ("played(8).judge()", ""),
     "stream": ("list(midair.stream(four, near(4000, 8), rate=1e3))", ""),
     "haptic": ("midair.haptic([[-0.02, 0, 0.15], [0.02, 0, 0.15]], four, rate=8e3)", ""),
-    "haptic within a bound": ("midair.haptic([[-0.02, 0, 0.15], [0.02, 0, 0.15]], four, rate=2e4, change=0.5)", ""),
-    "skin": ("midair.skin(played)", "played = midair.Sequence(four, near(20000, 1), np.ones((20000, 1)), np.ones((20000, len(four)), np.complex64), rate=2e4)"),
-    "felt": ("played.felt(near(50))", "played = midair.Sequence(four, near(20000, 1), np.ones((20000, 1)), np.ones((20000, len(four)), np.complex64), rate=2e4)"),
+    "haptic, bound": ("midair.haptic([[-0.02, 0, 0.15], [0.02, 0, 0.15]], four, rate=2e4, change=0.5)", ""),
+    "skin": ("midair.skin(played(1))", ""),
+    "felt": ("played(1).felt(near(50))", ""),
     "fly": (
         "midair.fly(played, duration=100)",
-        'X = circle[::10] + 0.012 * np.array([[1, 1, 0], [-1, 1, 0], [1, -1, 0], [-1, -1, 0]]); played = midair.sequence(pair, X, rate=1e3, signature="trap")',
+        "apart = 0.012 * np.array([[1, 1, 0], [-1, 1, 0], [1, -1, 0], [-1, -1, 0]])\n"
+        'played = midair.sequence(pair, circle[::10] + apart, rate=1e3, signature="trap")',
     ),
     "path.fastest": ("midair.path.fastest(circle[::4, 0], pair)", ""),
-    "tolerate": ("midair.tolerate(scene, phase=20, trials=10**6)", "scene = midair.Scene(four, near(16))"),
-    "calibrate": (
-        "midair.calibrate(four, drives, received, microphones=places)",
-        "places = near(6); drives = midair.calibration_drives(four, 4.0, microphones=6); received = np.abs(drives @ midair.Scene(four, places).propagation().T) * random.normal(1, .05, (len(drives), 6))",
-    ),
+    "tolerate": ("midair.tolerate(midair.Scene(four, near(16)), phase=20, trials=10**6)", ""),
+    "calibrate": ("midair.calibrate(four, drives, received, microphones=places)", READINGS),
     "doctor": (
-        "midair.doctor(four, lambda drive: np.abs(matrix @ drive) * random.normal(1, .02, 6), microphones=places)",
-        "places = near(6); matrix = midair.Scene(four, places).propagation() * random.choice([0, 1, 1, -1], len(four))",
+        "midair.doctor(four, lambda drive: np.abs(matrix @ drive) * off(6), microphones=places)",
+        READINGS + "\nmatrix = matrix * random.choice([0, 1, 1, -1], len(four))",
     ),
     "tune": (
-        'midair.tune(lambda drive: np.abs(matrix @ drive), four, "greedy", phases=256, tries=True)',
-        "matrix = midair.Scene(four, near(2000)).propagation()",
+        'midair.tune(lambda drive: np.abs(matrix @ drive), scene, "greedy", phases=256, tries=True)',
+        "scene = midair.Scene(four, near(2000)); matrix = scene.propagation()",
     ),
-    "sweep": (
-        'midair.sweep({"array": {"preset": "paper20"}, "points": {"count": 4, "x": [-.1, .1], "y": [-.1, .1], "z": 0.2}, "solver": {"name": ["fast", "gs"]}, "seeds": 10**6})',
-        "",
-    ),
-    "dataset": (
-        'midair.dataset({"array": {"preset": "sonicsurface"}, "points": {"count": [2, 3], "x": [-.04, .04], "y": [-.04, .04], "z": [.1, .15]}, "solver": {"name": "fast"}, "seeds": 10**6}, tempfile.mkdtemp())',
-        "",
-    ),
-    "bodies": ("midair.Scene(four, near(3), obstacles=[mesh(44)]).propagation()", ""),
+    "sweep": ("midair.sweep(request)", ""),
+    "dataset": ("midair.dataset(request, tempfile.mkdtemp())", ""),
 }
 
 

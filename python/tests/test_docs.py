@@ -132,3 +132,14 @@ def test_the_files_that_contributing_names_are_there() -> None:
                 path = ROOT / name
                 folder = path if path.is_dir() else path.parent
             assert any((place / name).exists() for place in (ROOT, folder)), f"{name} is not in {folder}"
+
+
+@pytest.mark.parametrize("page", ["serve.md", "reliability.md"])
+def test_the_tests_that_promises_name_are_there(page: str) -> None:
+    rows = re.findall(r"^\| [^|]+ \| (.*`test_.*) \|$", ROOT.joinpath("docs", page).read_text(), re.MULTILINE)
+    assert len(rows) > 5
+    for row in rows:
+        files, names = re.findall(r"`(test_\w+\.py)`", row), re.findall(r"`(test_\w+)\.\.\.`", row)
+        texts = "".join((ROOT / "python" / "tests" / file).read_text() for file in files)
+        for name in names:
+            assert f"def {name}" in texts, name

@@ -63,7 +63,7 @@ impl Solve for Lm {
         let mut normal = Normal::new(problem, &rows, work, control)?;
         normal.update(&rows, &state, control)?;
         let begun_at_rest = normal.steepest <= self.eps;
-        let (mut damping, mut growth) = (self.tau * largest(problem, work), 2.0);
+        let (mut damping, mut growth) = (self.tau * largest(problem, work, control)?, 2.0);
         // `eps` is the root mean square of a step in turns; `least` is the norm of the step in rad.
         let least =
             self.eps * TAU * sqrt((problem.propagation().transducers() + problem.propagation().points()) as f64);
@@ -110,19 +110,20 @@ impl Solve for Lm {
 
 /// Returns the largest diagonal entry of J^T J. The entries are sum_j w_j |G_ji|^2 for transducer i and w_j t_j^2 for
 /// point j.
-fn largest(problem: &Problem, work: &Workspace) -> f64 {
+fn largest(problem: &Problem, work: &Workspace, control: &mut Control) -> Result<f64, Error> {
     let (propagation, weights) = (problem.propagation(), problem.weights());
     let mut row = Planar::zeros(1, propagation.lanes(), work);
     let mut squares = work.floats.take(propagation.lanes());
     let pulls = problem.targets().iter().zip(weights).map(|(target, weight)| weight * target * target);
     let mut largest = pulls.fold(0.0, f32::max);
     for i in 0..propagation.transducers() {
+        control.pulse()?;
         propagation.row(i, &mut row.re, &mut row.im);
         squares.fill(0.0);
         kernels::squares(propagation.instruction_set(), row.row(0), propagation.points(), &mut squares);
         largest = largest.max(kernels::dot(propagation.instruction_set(), &squares, weights));
     }
-    f64::from(largest)
+    Ok(f64::from(largest))
 }
 
 /// A set of phases, and the values that follow from it.

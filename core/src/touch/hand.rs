@@ -83,7 +83,7 @@ impl Touch {
             return Err(Error::invalid("laps", lap, "give at most 1000: a skin perceives nothing above 1 kHz"));
         }
         for sample in 0..count / stride {
-            pushes.add(sample, &pushed(sample * stride)?)?;
+            pushes.add(sample, &pushed(sample * stride)?, control)?;
         }
         let [speed, loss, mass] = Membrane::SKIN;
         let membrane = Membrane::new(speed, loss, mass)?;

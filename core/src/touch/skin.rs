@@ -53,26 +53,28 @@ impl Pushes {
     /// during the frame, so that line h of T frames is harmonic h of the samples times sinc(h/T).
     ///
     /// # Errors
-    /// Frames beyond the last, and rows of another length.
-    pub fn add(&mut self, first: usize, values: &[f32]) -> Result<(), Error> {
+    /// Frames beyond the last, and rows of another length; a stop.
+    pub fn add(&mut self, first: usize, values: &[f32], control: &mut Control) -> Result<(), Error> {
         let (count, places) = (self.count, self.places);
         let frames = values.len() / places;
         if frames * places != values.len() || first + frames > count {
             let cure = alloc::format!("give {places} for each of {count} frames");
             return Err(Error::invalid("values", alloc::format!("{} from frame {first} on", values.len()), cure));
         }
-        let factors: Vec<Complex32> = (0..self.frequencies.len() * frames)
-            .map(|k| {
-                let (harmonic, frame) = (1 + k / frames, first + k % frames);
-                let half = PI * harmonic as f64 / count as f64;
-                let sinc = math::sin(half) / half * 2.0 / count as f64;
+        let mut factors = Vec::with_capacity(self.frequencies.len() * frames);
+        for harmonic in 1..=self.frequencies.len() {
+            control.pulse()?;
+            let half = PI * harmonic as f64 / count as f64;
+            let sinc = math::sin(half) / half * 2.0 / count as f64;
+            factors.extend((first..first + frames).map(|frame| {
                 let turned = sinc * math::phasor(-TAU * (harmonic * frame % count) as f64 / count as f64);
                 Complex32::new(turned.re as f32, turned.im as f32)
-            })
-            .collect();
+            }));
+        }
         for start in (0..places).step_by(BLOCK) {
             let block = start..(start + BLOCK).min(places);
             for (t, row) in values.chunks_exact(places).enumerate() {
+                control.pulse()?;
                 let row = &row[block.clone()];
                 let mean = &mut self.mean[block.clone()];
                 mean.iter_mut().zip(row).for_each(|(sum, value)| *sum += value / count as f32);

@@ -17,8 +17,8 @@ fn frames_of_a_square_wave_have_its_harmonics() {
         let mut pushes = Pushes::new(count, 40.0 * count as f64, 3).expect("pushes");
         let frames: Vec<f32> = (0..3 * count).map(|k| if k / 3 < count / 2 { 1.0 } else { 0.0 }).collect();
         let (early, late) = frames.split_at(3 * (count / 2));
-        pushes.add(0, early).expect("added");
-        pushes.add(count / 2, late).expect("added");
+        pushes.add(0, early, &mut Control::none()).expect("added");
+        pushes.add(count / 2, late, &mut Control::none()).expect("added");
         assert_eq!(pushes.frequencies().len(), 25);
         assert!((pushes.frequencies()[2] - 120.0).abs() < 1e-9 && (pushes.mean()[1] - 0.5).abs() < 1e-6);
         for (k, size) in [(0, 2.0 / PI), (1, 0.0), (2, 2.0 / PI / 3.0), (4, 2.0 / PI / 5.0)] {
@@ -32,7 +32,7 @@ fn a_line_is_the_amplitude_of_its_cosine() {
     let count = 64;
     let mut pushes = Pushes::new(count, 6400.0, 1).expect("pushes");
     let frames: Vec<f32> = (0..count).map(|t| 3.0 + (TAU * t as f64 / 64.0 + 0.7).cos() as f32).collect();
-    pushes.add(0, &frames).expect("added");
+    pushes.add(0, &frames, &mut Control::none()).expect("added");
     // Constant frames reduce the amplitude by sinc(1/64). Time 0 is the middle of the first frame.
     let sinc = (PI / 64.0).sin() / (PI / 64.0);
     let exact = Complex32::from_polar(sinc as f32, 0.7);
@@ -50,7 +50,7 @@ fn frames_that_repeat_above_1_khz_have_no_line() {
     for (count, rate, places) in [(0, 1.0, 1), (1, 0.0, 1), (1, f64::INFINITY, 1), (1, 1.0, 0)] {
         assert!(Pushes::new(count, rate, places).is_err());
     }
-    assert!(Pushes::new(4, 10.0, 2).expect("pushes").add(3, &[0.0; 4]).is_err());
+    assert!(Pushes::new(4, 10.0, 2).expect("pushes").add(3, &[0.0; 4], &mut Control::none()).is_err());
 }
 
 #[test]
