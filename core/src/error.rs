@@ -302,9 +302,11 @@ impl Error {
 /// How many characters of the beginning and of the end are kept if a text is too long.
 const KEPT: [usize; 2] = [240, 160];
 
-/// Returns a text on one line, without its middle if it is very long.
+/// Returns a text on one line, without its middle if it is very long, and without characters that reverse the order of a
+/// line's letters.
 pub(crate) fn one_line(text: &str) -> String {
-    let words = text.split(|c: char| c.is_whitespace() || c.is_control()).filter(|word| !word.is_empty());
+    let turns = |c: char| matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let words = text.split(|c: char| c.is_whitespace() || c.is_control() || turns(c)).filter(|word| !word.is_empty());
     let line = words.collect::<Vec<_>>().join(" ");
     let [head, tail] = KEPT;
     if line.chars().count() <= head + tail {

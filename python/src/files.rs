@@ -1,12 +1,9 @@
 //! Scene files and scenes as text: read up to a size limit; written completely or not at all.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use midair::Key;
 use midair::files::{self, Format, MOST_BYTES, Provenance, Source};
-use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString};
 
@@ -14,20 +11,13 @@ use crate::draw;
 use crate::error::{invalid, refused};
 use crate::toolbox;
 
-/// Converts an error of the file system to the OSError that Python's own functions would raise.
-fn os_error(error: &std::io::Error, path: &Path) -> PyErr {
-    let text = error.to_string();
-    let text = text.split(" (os error").next().unwrap_or_default().to_owned();
-    PyOSError::new_err((error.raw_os_error(), text, path.to_string_lossy().into_owned()))
-}
-
-pub(crate) fn bytes_of(path: &Path) -> PyResult<Vec<u8>> {
-    let mut bytes = Vec::new();
+/// Returns a file's bytes, by Python's own functions: Ctrl-C ends them, also while a pipe has no writer.
+pub(crate) fn bytes_of(py: Python<'_>, path: &Path) -> PyResult<Vec<u8>> {
+    let file = py.import("builtins")?.call_method1("open", (path, "rb"))?;
     // Reads one byte more than allowed, to detect that a file is too large.
-    File::open(path)
-        .and_then(|file| file.take(MOST_BYTES as u64 + 1).read_to_end(&mut bytes))
-        .map_err(|error| os_error(&error, path))?;
-    Ok(bytes)
+    let bytes = file.call_method1("read", (MOST_BYTES + 1,));
+    file.call_method0("close")?;
+    bytes?.extract()
 }
 
 /// Calls `reading` with a file's bytes, their format and their origin.
@@ -42,7 +32,7 @@ pub(crate) fn read<T>(
 
 /// Reads the scene of a file.
 pub(crate) fn load(py: Python<'_>, path: &Path) -> PyResult<midair::Scene> {
-    read(path, &bytes_of(path)?, |bytes, format, source| draw::scene(py, bytes, format, source))
+    read(path, &bytes_of(py, path)?, |bytes, format, source| draw::scene(py, bytes, format, source))
 }
 
 /// Reads the scene of a text, given as str or bytes.
@@ -71,8 +61,8 @@ pub(crate) fn save(py: Python<'_>, path: &Path, text: &str) -> PyResult<()> {
 /// be read only once (pipes).
 #[pyfunction]
 #[pyo3(signature = (path, text=None))]
-pub(crate) fn scene_files(path: PathBuf, text: Option<Vec<u8>>) -> PyResult<Vec<PathBuf>> {
-    let bytes = text.map_or_else(|| bytes_of(&path), Ok)?;
+pub(crate) fn scene_files(py: Python<'_>, path: PathBuf, text: Option<Vec<u8>>) -> PyResult<Vec<PathBuf>> {
+    let bytes = text.map_or_else(|| bytes_of(py, &path), Ok)?;
     let named = read(&path, &bytes, |bytes, format, source| files::references(bytes, format, source).map_err(refused))?;
     Ok([path].into_iter().chain(named).collect())
 }

@@ -283,6 +283,10 @@ def history(stage: Stage, seed: int) -> None:
         if player in ("page", "hand"):
             start(ENDING if end == "end" else ENDLESS)
         watch(0.1, again)
+        begin = time.monotonic()
+        # A busy computer plays late. Until then a player that stays gives signs of life.
+        while end != "end" and not stage.emits and time.monotonic() < begin + LATE:
+            watch(0.05, again)
         assert stage.becomes(True, LATE), shown
         if end != "end":
             playing = threading.Thread(target=watch, args=(0.4, again))

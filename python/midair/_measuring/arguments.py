@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import numbers, stated
-from .._support.arguments import GREATEST, refused
+from .._support.arguments import refused, sized
 from .model import Complex, Real
 
 #: Readings are rejected as clipped if at least 4 readings of a microphone, and 1 % of all, equal its maximum.
@@ -28,7 +28,9 @@ def readings_of(value: Any, drives: int, microphones: int, phased: bool | None) 
     """Check readings (K, M) in Pa: moduli, or complex if `phased`; None decides by their type."""
     shapes = [(drives, microphones), (drives,)][: 2 if microphones == 1 else 1]
     cure = f"give |p| or p ({drives}, {microphones}), a row for each drive and a column for each microphone"
-    found = numbers("readings", value, shapes, cure, kinds="iufc", most=GREATEST).reshape(drives, microphones)
+    found = sized("readings", numbers("readings", value, shapes, cure, kinds="iufc")).reshape(
+        drives, microphones
+    )
     if phased and not np.iscomplexobj(found):
         cure = "give complex ones, or leave complex out"
         raise stated("readings", "are real, but complex=True", cure, code="conflict")

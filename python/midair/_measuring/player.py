@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .._midair import numbers
 from .._support import output
-from .._support.arguments import GREATEST, path_of
+from .._support.arguments import path_of, sized
 from .._support.text import counted
 
 #: Ends of a tuning: complete, out of readings, stopped by Ctrl-C or progress, or ended by an error of the
@@ -154,7 +154,7 @@ class Player:
     def _checked(self, given: Any) -> Real:
         cure = f"give {'|p|^2' if self._power else '|p|'} at {self._count} places, real numbers"
         shapes = [(self._count,), ()][: 2 if self._count == 1 else 1]
-        found = np.atleast_1d(numbers("read(drive)", given, shapes, cure, least=0, most=GREATEST))
+        found = np.atleast_1d(sized("read(drive)", numbers("read(drive)", given, shapes, cure, least=0)))
         return np.sqrt(found) if self._power else found
 
 

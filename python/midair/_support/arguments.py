@@ -81,6 +81,13 @@ def number(item: str, value: Any, *, above: float | None = None, least: float | 
     return float(value)
 
 
+def sized(item: str, values: NDArray[Any]) -> NDArray[Any]:
+    """Check that no number is so large that its square overflows."""
+    if np.abs(values).max(initial=0.0) > GREATEST:
+        raise stated(item, f"holds a number above {GREATEST:g}", "give smaller ones", "out-of-range")
+    return values
+
+
 def whole(item: str, value: Any, *, least: int) -> int:
     """Check a whole number; return it as an int."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer) or value < least:

@@ -184,7 +184,9 @@ def haptic(
         raise TypeError(f"expected a midair.Array second, not {type(array).__qualname__}")
     frames = number("rate", rate, above=0)
     if frames > FASTEST:
-        raise refused("rate", rate, f"give at most {FASTEST:g} frames per second, the time of the search grows with it")
+        raise refused(
+            "rate", rate, f"give at most {FASTEST:g} frames per second, the time of the search grows with it"
+        )
     most = math.pi if change is None else bound(frames, change, None)
     if word("aim", aim) not in ("strong", "even"):
         raise refused("aim", aim, 'give "strong" or "even"')
