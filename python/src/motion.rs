@@ -21,7 +21,8 @@ impl Motion {
     /// Reads a file; returns None if it has no `[motion]`.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Option<Self>> {
-        let motion = read(&path, &bytes_of(py, &path)?, |bytes, format, source| draw::motion(py, bytes, format, source))?;
+        let motion =
+            read(&path, &bytes_of(py, &path)?, |bytes, format, source| draw::motion(py, bytes, format, source))?;
         let Some(motion) = motion else { return Ok(None) };
         Scene::of(motion.scene.clone())?.reported(py, &[])?;
         Ok(Some(Self(motion)))

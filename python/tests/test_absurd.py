@@ -1,127 +1,18 @@
 """Absurd arguments, as numbers of any size, empty or ragged lists, None: each gets an answer or one line."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
 import midair
-
-ARRAY = midair.Array.preset("autd3")
-PAIR = midair.Array.preset("openmpd_pair", quantization={})
-SCENE = midair.Scene(ARRAY, [[0, 0, 0.15]])
-SOLUTION = midair.solve(SCENE)
-LINE = [[-0.02, 0, 0.15], [0.02, 0, 0.15]]
-FRAMES = np.array([LINE, LINE])
-DRIVE = np.ones(len(ARRAY))
-TRAPS = midair.sequence(PAIR, np.zeros((2, 1, 3)), rate=500, signature="trap", closed=True, ahead="all")
-ANGLE = np.linspace(0, 2 * np.pi, 24, endpoint=False)
-RING = 5e-3 * np.stack([np.cos(ANGLE), np.sin(ANGLE), 0 * ANGLE], axis=1)
+from absurd import CALLS
 
 ABSURD: list[Any] = [
     *(None, True, 1j, "x", b"x", object(), {}, [], [[]], [[1, 2], [3]], [[None] * 3], [["a", "b", "c"]]),
     *(1e308, -1e308, 1e-308, 5e-324, 2**70, 1e30, float("nan"), float("inf")),
     *([[1e308] * 3], [[1e-308] * 3], np.zeros((0, 3)), np.zeros(0), np.zeros((2, 2, 3, 2)), np.array(None)),
 ]
-
-Call = Callable[[Any], Any]
-
-
-def keywords(call: Callable[..., Any], *names: str) -> dict[str, Call]:
-    """Returns a call for each argument of a function, by its name."""
-    return {name: lambda bad, name=name: call(**{name: bad}) for name in names}
-
-
-def grad(quantity: str) -> Callable[..., Any]:
-    known = {"scene": ARRAY, "drive": DRIVE, "points": [[0, 0, 0.15]]}
-    return lambda **bad: getattr(midair.grad, quantity)(**(known | bad))
-
-
-def haptic(**bad: Any) -> Any:
-    return midair.haptic(**({"shape": LINE, "array": ARRAY, "rate": 40.0} | bad))
-
-
-def doctor(**bad: Any) -> Any:
-    known = {"board": ARRAY, "read": lambda _: [1.0], "microphones": [[0, 0, 0.2]], "seconds": 1.0}
-    return midair.doctor(**(known | bad))
-
-
-def simulated(bad: Any) -> Any:
-    return midair.doctor(ARRAY, lambda _: bad, microphones=[[0, 0, 0.2]], seconds=20.0)
-
-
-def sequence(**bad: Any) -> Any:
-    return midair.sequence(**({"array": ARRAY, "path": FRAMES, "rate": 1e3} | bad))
-
-
-GROUPS: dict[str, dict[str, Call]] = {
-    "haptic": keywords(
-        haptic, "shape", "array", "rate", "aim", "change", "beside", "ears", "limit", "loss", "tau"
-    ),
-    "skin": keywords(
-        lambda **bad: midair.skin(**({"sequence": TRAPS} | bad)),
-        *("sequence", "hand", "speed", "loss", "mass", "reach", "tau"),
-    ),
-    "felt": {"points": TRAPS.felt},
-    "fly": keywords(
-        lambda **bad: midair.fly(**({"sequence": TRAPS, "duration": 0.01} | bad)),
-        *("sequence", "beads", "speeds", "duration", "tau", "hold", "bead"),
-    ),
-    "fastest": keywords(
-        lambda **bad: midair.path.fastest(**({"points": RING, "array": PAIR} | bad)),
-        *("points", "array", "margin", "closed", "bead", "temperature"),
-    ),
-    "pressure": keywords(grad("pressure"), "scene", "drive", "points", "cotangent"),
-    "force": keywords(grad("force"), "scene", "drive", "points", "cotangent", "bead"),
-    "stiffness": keywords(grad("stiffness"), "drive", "points", "cotangent", "bead"),
-    "rest": {
-        "points": lambda bad: midair.rest(SCENE, DRIVE, bad),
-        "bead": lambda bad: midair.rest(SCENE, DRIVE, bead=bad),
-    },
-    "tolerate": keywords(
-        lambda **bad: midair.tolerate(**({"scene": SCENE, "trials": 2, "drive": SOLUTION} | bad)),
-        *("phase", "gain", "dead", "temperature", "tilt", "position", "seed"),
-    ),
-    "doctor": keywords(
-        doctor,
-        "board",
-        "microphones",
-        "seconds",
-        "settle",
-        "boards",
-        "temperature",
-        "microphones_error",
-        "seed",
-    )
-    | {"read": simulated},
-    "calibrate": {
-        "drives": lambda bad: midair.calibrate(ARRAY, bad, [[1.0]], microphones=[[0, 0, 0.2]]),
-        "readings": lambda bad: midair.calibrate(ARRAY, np.ones((900, 249)), bad, microphones=[[0, 0, 0.2]]),
-        "readings_per_transducer": lambda bad: midair.calibration_drives(ARRAY, bad),
-    },
-    "tune": {
-        "read": lambda bad: midair.tune(lambda _: bad, SCENE),
-        "budget": lambda bad: midair.tune(lambda _: [1.0], SCENE, budget=bad),
-    },
-    "sequence": keywords(
-        sequence, "path", "rate", "change", "change_rate", "tau", "ahead", "signature", "pressures", "closed"
-    ),
-    "modulated": {"frequency": SOLUTION.modulated},
-    "ear": keywords(lambda **bad: midair.ear(**({"position": [0, 0, 1]} | bad)), "position", "size", "step"),
-    "still": keywords(
-        lambda **bad: midair.path.still(**({"places": [0, 0, 0], "duration": 1} | bad)), "places", "duration"
-    ),
-    "streaming": {
-        "plane": lambda bad: midair.streaming(SCENE, DRIVE, bad),
-        "absorption": lambda bad: midair.streaming(SCENE, DRIVE, [[0, 0, 0.1]], absorption=bad),
-    },
-    "exposure": {"places": lambda bad: midair.exposure(SCENE, DRIVE, bad)},
-}
-
-CALLS = {f"{group}, {name}": call for group, calls in GROUPS.items() for name, call in calls.items()}
 
 
 @pytest.mark.slow
