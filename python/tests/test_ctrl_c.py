@@ -2,10 +2,15 @@
 
 import os
 import random
+import signal
 import subprocess
 import sys
+import threading
+from pathlib import Path
 
 import pytest
+
+import midair
 
 #: Moments for each call. MIDAIR_SLOW takes more of them, and two threads too.
 SLOW = os.environ.get("MIDAIR_SLOW") == "1"
@@ -149,3 +154,12 @@ def test_ctrl_c_acts_at_any_moment_of_whatever_takes_long(name: str, threads: in
     print(f"{name}: at most {max(late):.2f} s of CPU after the signal")
     assert len(late) == MOMENTS
     assert max(late) < ALLOWED * threads, dict(zip(moments, late, strict=True))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="pipes of POSIX")
+def test_ctrl_c_acts_while_a_pipe_has_no_writer(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "scene.toml")
+    threading.Timer(0.3, os.kill, [os.getpid(), signal.SIGINT]).start()
+    with pytest.raises(KeyboardInterrupt):
+        midair.Scene.load(tmp_path / "scene.toml")

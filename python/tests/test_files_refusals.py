@@ -331,3 +331,9 @@ def test_a_write_that_is_interrupted_leaves_the_file_as_it_was(
     assert taken
     assert path.read_bytes() == b"before"
     assert [file.name for file in tmp_path.iterdir()] == [name]
+
+
+def test_an_error_contains_no_character_that_turns_its_letters_around() -> None:
+    text = '[array]\npreset="paper20"\n[[points]]\nposition=[0,0,0.2]\n"\u202ex\u2066"=1\n'
+    with pytest.raises(midair.SceneError, match='unknown key of points\\[0\\] "x": known are'):
+        midair.Scene.parse(text)
