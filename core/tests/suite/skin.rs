@@ -38,7 +38,7 @@ fn a_circle_moves_the_skin_as_the_record_has_it() {
         let drive: Vec<Complex32> = solved.expect("a solution").drive;
         let field = midair::field(&model, &drive, &places, &mut Control::none()).expect("a field");
         let pushed: Vec<f32> = field.iter().map(|p| medium.radiation(p.norm().into()) as f32).collect();
-        pushes.add(t, &pushed).expect("added");
+        pushes.add(t, &pushed, &mut Control::none()).expect("added");
     }
     let membrane = Membrane::new(6.0, 0.4, 6.4).expect("a membrane");
     let frequencies = numbers(&record["frequencies"]);
