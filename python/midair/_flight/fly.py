@@ -12,7 +12,7 @@ from .._midair import Bead, Course, Scene, SceneError, numbers, stated
 from .._sequence.envelope import Hold
 from .._sequence.judged import SETTLING, TAU
 from .._sequence.sequence import Sequence
-from .._support.arguments import number, refused, warn
+from .._support.arguments import number, refused, sized, warn
 from .flight import Flight
 
 #: Distance in wavelengths from its point beyond which a bead is lost, as in the core.
@@ -131,7 +131,8 @@ def _start(
             raise stated("targets", "are 0 in the first frame", "give beads, places (B, 3) in m")
         places = course.resting(scene, which.tolist())
     else:
-        places = numbers("beads", beads, [(3,), (-1, 3)], "give places (B, 3) in m").reshape(-1, 3)
+        places = numbers("beads", beads, [(3,), (-1, 3)], "give places (B, 3) in m")
+        places = sized("beads", places).reshape(-1, 3)
         away = np.linalg.norm(places[:, None] - points, axis=2)
         which, away = away.argmin(axis=1), away.min(axis=1)
         reach = LOST * scene.wavelength
@@ -141,7 +142,7 @@ def _start(
             apart = f"{1e3 * away[first]:.4g} mm from point {which[first] + 1}"
             warn(f"beads[{first}] is {apart}{others}: it is lost at once, {near}")
     own = course.speeds(which.tolist()) if speeds is None else speeds
-    own = numbers("speeds", own, [(3,), places.shape], f"give {places.shape} in m/s")
+    own = sized("speeds", numbers("speeds", own, [(3,), places.shape], f"give {places.shape} in m/s"))
     fastest = float(np.linalg.norm(own, axis=-1).max())
     if fastest > scene.sound_speed:
         raise refused("speeds", f"{fastest:.4g} m/s", "faster than sound, give slower beads")

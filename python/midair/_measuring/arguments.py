@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import numbers, stated
-from .._support.arguments import refused, sized
+from .._support.arguments import SMALLEST, refused, sized
 from .model import Complex, Real
 
 #: Readings are rejected as clipped if at least 4 readings of a microphone, and 1 % of all, equal its maximum.
@@ -41,7 +41,7 @@ def readings_of(value: Any, drives: int, microphones: int, phased: bool | None) 
         cure = "|p| is never negative, give moduli or complex ones"
         raise stated(f"readings[{k}, {at}]", f"is {found[k, at]:.4g}", cure)
     for m, received in enumerate(found.T):
-        if not np.abs(received).max():
+        if np.abs(received).max() < SMALLEST:
             raise stated(
                 f"readings[:, {m}]", "are all 0", f"microphone {m} hears nothing, mend it or leave it out"
             )

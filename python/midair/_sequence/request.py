@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Array, Scene, bound_of, meant, solvers
-from .._support.arguments import number, refused, warn
+from .._support.arguments import flag, number, refused, warn
 from ..path import Path, read
 from .frames import AIR
 
@@ -96,6 +96,8 @@ def request(
         raise TypeError(f"expected a midair.Array first, not {type(array).__qualname__}")
     frames = number("rate", rate, above=0)
     points, targets, loops = read(path, frames, pressures)
+    if closed is not None:
+        closed = flag("closed", closed)
     if closed and isinstance(path, Path) and not loops:
         raise refused("closed", closed, "the path's end is not its start, leave it out")
     air = {name: options.pop(name) for name in AIR if name in options}
