@@ -304,8 +304,12 @@ def history(stage: Stage, seed: int) -> None:
         ends.get(end, lambda: None)()
         watching = threading.Thread(target=watch, args=(HAND + LATE + 0.2,))
         watching.start()
+        begin = time.monotonic()
         assert stage.becomes(False, HAND + LATE), shown
-        assert stage.stays(False, 0.15), shown
+        while not stage.stays(False, 0.15):
+            # A busy computer may be silent by itself while a source that ends without a message still lives.
+            assert end in ("hang", "untold"), shown
+            assert time.monotonic() < begin + HAND + LATE, shown
         watching.join()
 
 
