@@ -128,6 +128,18 @@ typedef struct {
     int32_t holds_sequence;
 } midair_link;
 
+// The frames of a motion.
+typedef struct {
+    // The number of frames T.
+    size_t frames;
+    // The number of points M.
+    size_t points;
+    // Frames per second.
+    double rate;
+    // Whether the last frame continues to the first: 1 for yes, 0 for no.
+    int32_t closed;
+} Motion;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -257,6 +269,37 @@ midair_result midair_board_link(const midair_board *board,
 // Frees a board. NULL is allowed.
 void midair_board_free(midair_board *board);
 
+// Writes to motion the number of frames, and more, of a session that was made from a scene file with [motion].
+midair_result midair_session_motion(midair_session *session,
+                                    Motion *motion,
+                                    char *message,
+                                    size_t message_size);
+
+// Writes the points (frames, points, 3) in m and the targets (frames, points) in Pa of some frames of a motion, from first on.
+// A target of 0 stands for a point that is absent. targets may be NULL.
+midair_result midair_session_frames(midair_session *session,
+                                    size_t first,
+                                    size_t frames,
+                                    double *points,
+                                    double *targets,
+                                    char *message,
+                                    size_t message_size);
+
+// Solves some frames of a motion, from first on, one after another within the bound of the motion, and writes the drives
+// (frames, transducers), where transducers is N. Frames that do not begin with 0 follow those of the last call.
+midair_result midair_session_follow(midair_session *session,
+                                    size_t first,
+                                    size_t frames,
+                                    midair_complex *drives,
+                                    size_t transducers,
+                                    char *message,
+                                    size_t message_size);
+
+// Returns the code of the error of this thread's last call that can fail, such as "too-near"; an empty text if it did not fail.
+// docs/errors.md lists all codes. They never change, unlike the words of messages. The text is valid as long as the library is
+// loaded.
+const char *midair_last_code(void);
+
 // Makes a session for an array and a method, such as "uniform" or "fast", with the array's default medium. The session has a
 // copy of the array, which may be freed.
 midair_result midair_session_new(const midair_array *array,
@@ -268,7 +311,7 @@ midair_result midair_session_new(const midair_array *array,
 // Makes a session from the text of a scene file, TOML or JSON: its array, medium, obstacles, signature, solver and points.
 // folder is the folder of the files that the scene names; if folder is NULL, such files are errors. Shapes of text or
 // drawings, images and files of meshes need the Python package, and are errors. midair_session_solve() with 0 points solves
-// the scene's own request.
+// the scene's own request. Of a scene with [motion], midair_session_follow() solves the frames.
 midair_result midair_session_open(const char *scene,
                                   const char *folder,
                                   midair_session **session,
