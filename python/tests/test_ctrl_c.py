@@ -79,7 +79,7 @@ CALLS = {
     "solve, tikhonov": ('midair.solve(many, "tikhonov")', "many = large(3000)"),
     "solve, uniform": ('midair.solve(many, "uniform")', "many = large(3000)"),
     "solve, descent": ('midair.solve(many, "descent", steps=100000)', "many = large(300)"),
-    "solve, lm": ('midair.solve(many, "lm")', "many = large(500)"),
+    "solve, lm": ('midair.solve(many, "lm")', "many = large(1500)"),
     "solve, traps": ("midair.solve(many)", 'many = midair.Scene(four, near(64), signature="trap")'),
     "solve, a matrix": (
         'midair.solve(matrix, "gs")',

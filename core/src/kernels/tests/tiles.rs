@@ -203,7 +203,9 @@ fn slopes_products_and_sums_are_those_of_the_jacobian() {
         let mut slopes = vec![f32::NAN; tiles::size(rows, across)];
         let split = [&factors[0][..], &factors[1]];
         let equations = (0..count).chain(loud..count);
-        tiles::slopes(set, scene.tiles(), [&drive[0], &drive[1]], split, equations, &mut slopes);
+        let drives = [&drive[0][..], &drive[1]];
+        tiles::slopes(set, scene.tiles(), drives, split, equations, &mut slopes, &mut Control::none())
+            .expect("no stop");
         let j = |e: usize, i: usize| {
             let point = if e < count { e } else { e - count + loud };
             let wave = scene.matrix[point][i] * Complex64::new(wide(drive[0][i]), wide(drive[1][i]));

@@ -244,6 +244,9 @@ pub(crate) fn rotate_columns(set: InstructionSet, [re, im]: [&mut [f32]; 2], [qr
 
 /// Writes the slopes of equations as rows of a plane: f Re(G q) + g Im(G q) at each of `points`, with `factors` f and
 /// g.
+///
+/// # Errors
+/// A requested stop, which is checked once a row.
 pub(crate) fn slopes(
     set: InstructionSet,
     tiles: Tiles<'_>,
@@ -251,13 +254,15 @@ pub(crate) fn slopes(
     factors: [&[f32]; 2],
     points: impl Iterator<Item = usize>,
     out: &mut [f32],
-) {
+    control: &mut Control,
+) -> Result<(), Error> {
     dispatch!(set, s => {
         let [qr, qi] = drive.map(groups);
         let out = blocks_mut(out);
         let stride = stride(tiles.lanes);
         let mut rows = 0;
         for ((k, point), (&f, &g)) in points.enumerate().zip(factors[0].iter().zip(factors[1])) {
+            control.pulse()?;
             let [gr, gi] = tiles.rows(point / BLOCK);
             let (f, g) = (s.splat(f), s.splat(g));
             let to = &mut out[k / BLOCK * stride..][..gr.len()];
@@ -275,7 +280,8 @@ pub(crate) fn slopes(
                 block[rows % BLOCK..].fill([0.0; LANES]);
             }
         }
-    });
+        Ok(())
+    })
 }
 
 /// out = sum_k factor_k row_k over the rows of a plane; returns the largest modulus.

@@ -59,7 +59,7 @@ impl<'w> Dual<'w> {
         control: &mut Control,
     ) -> Result<(), Error> {
         let [[re, im], [f, g]] = [&wave.drive, &self.factors];
-        tiles::slopes(self.set, rows.tiles(), [re, im], [f, g], points, &mut self.slopes);
+        tiles::slopes(self.set, rows.tiles(), [re, im], [f, g], points, &mut self.slopes, control)?;
         if let Some(metric) = metric {
             tiles::weigh(self.set, &mut self.slopes, metric);
         }
