@@ -138,7 +138,7 @@ typedef struct {
     double rate;
     // Whether the last frame continues to the first: 1 for yes, 0 for no.
     int32_t closed;
-} Motion;
+} midair_motion;
 
 #ifdef __cplusplus
 extern "C" {
@@ -271,7 +271,7 @@ void midair_board_free(midair_board *board);
 
 // Writes to motion the number of frames, and more, of a session that was made from a scene file with [motion].
 midair_result midair_session_motion(midair_session *session,
-                                    Motion *motion,
+                                    midair_motion *motion,
                                     char *message,
                                     size_t message_size);
 
