@@ -253,7 +253,7 @@ class _Judged:
 def _check(scene: Scene, ears: Mapping[str, Any] | None, limit: str | float) -> None:
     """Reject ears and limits that `exposure` does not take, and give its warnings, before any work."""
     if ears is None:
-        if limit != "howard":
+        if not isinstance(limit, str) or limit != "howard":
             limit_of(scene, limit)
         return
     try:
