@@ -97,6 +97,9 @@ class Stub:
                 method = replace(method, name="__new__", doc=owner.doc, first="cls", returns="Self")
             if method.name not in HIDDEN:
                 yield from self.function(method, name)
+        if any(method.name == "__and__" for method in owner.methods):
+            # Python's slot for & has both sides.
+            yield "    def __rand__(self, value: Any, /) -> Any: ...\n"
         if re.search(r"\beq\b", owner.options) or any(method.name == "__eq__" for method in owner.methods):
             yield "    def __eq__(self, other: object, /) -> bool: ...\n"
         if re.search(r"\bhash\b", owner.options):

@@ -76,9 +76,10 @@ def number(item: str, value: Any, *, above: float | None = None, least: float | 
         raise refused(item, value, "give a finite number", "not-finite")
     if (above is not None and value <= above) or (least is not None and value < least):
         raise refused(item, value, f"give a number{bound}", "out-of-range")
-    if value and not SMALLEST <= abs(value) <= GREATEST:
+    real = float(value)
+    if real and not SMALLEST <= abs(real) <= GREATEST:
         raise refused(item, value, f"give a number from {SMALLEST:g} to {GREATEST:g} in size", "out-of-range")
-    return float(value)
+    return real
 
 
 def sized(item: str, values: NDArray[Any]) -> NDArray[Any]:
