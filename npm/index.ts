@@ -1,10 +1,10 @@
 /** midair in Node and browsers: scenes that are solved, evaluated and played. */
 
 import type { Notice } from "../studio/src/state/refusal.ts";
-import { compile, Door } from "../studio/src/work/door.ts";
+import { compile, Door } from "../studio/src/solving/door.ts";
 
 export { type Notice, Refusal } from "../studio/src/state/refusal.ts";
-export type * from "../studio/src/work/door.ts";
+export type * from "../studio/src/solving/door.ts";
 export type { OwnArray, Vec3 } from "../studio/src/state/types.ts";
 
 /** The text of a scene file, or its content as an object. */

@@ -3,8 +3,8 @@ import { readFileSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
-import { type BeadFlight, balls, beadsAt, fateOf } from "../src/work/beads.ts";
-import { compile, Door, type Flight } from "../src/work/door.ts";
+import { type BeadFlight, balls, beadsAt, fateOf } from "../src/solving/beads.ts";
+import { compile, Door, type Flight } from "../src/solving/door.ts";
 import { framesOf } from "../src/making/paths.ts";
 import { initial } from "../src/state/initial.ts";
 import { sceneOf, stateOf } from "../src/state/scene_file.ts";

@@ -4,7 +4,7 @@ import { readFileSync, readdirSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
-import { compile, Door } from "../src/work/door.ts";
+import { compile, Door } from "../src/solving/door.ts";
 import { boardOf } from "../src/boards/serial.ts";
 
 const here = import.meta.dirname;

@@ -1,7 +1,7 @@
 // Arrays and drives as CSV, read and written by the core.
 import { readFileSync } from "node:fs";
 import { expect, test } from "vitest";
-import { compile, Door } from "../src/work/door.ts";
+import { compile, Door } from "../src/solving/door.ts";
 import type { Vec3 } from "../src/state/types.ts";
 
 const door = new Door(await compile(readFileSync(new URL("../built/midair.wasm", import.meta.url))));

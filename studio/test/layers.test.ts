@@ -7,7 +7,7 @@ import { expect, test } from "vitest";
 const ROOT = join(import.meta.dirname, "../..");
 
 /** The layers of folders, lowest first. Folders of one layer do not import each other. */
-const LAYERS = [["studio/src/state"], ["studio/src/making", "studio/src/painter"], ["studio/src/work"], ["studio/src/boards"], ["studio/src/app", "npm"]];
+const LAYERS = [["studio/src/state"], ["studio/src/making", "studio/src/painter"], ["studio/src/solving"], ["studio/src/boards"], ["studio/src/app", "npm"]];
 
 /** Matches every text that begins like the path of a module, in whatever statement it stands. */
 const PATH = /(["'`])((?:\.{1,2}\/|\/src\/)[^"'`]*)\1/g;
@@ -97,9 +97,9 @@ test.each(FORMS.flatMap((form) => ["", ".ts", ".js"].map((ending) => [form, endi
   expect(circles(pasted("studio/src/app/motion.ts", line("./panels")))).toEqual(["studio/src/app/panels.ts -> studio/src/app/motion.ts -> studio/src/app/panels.ts"]);
   expect(upward(pasted("studio/src/state/types.ts", line("../app/panels")))).toEqual(["studio/src/state/types.ts imports studio/src/app/panels.ts"]);
   expect(upward(pasted("studio/src/state/types.ts", line("/src/app/panels")))).toEqual(["studio/src/state/types.ts imports studio/src/app/panels.ts"]);
-  expect(upward(pasted("studio/src/painter/gl.ts", line("../work/door")))).toEqual(["studio/src/painter/gl.ts imports studio/src/work/door.ts"]);
+  expect(upward(pasted("studio/src/painter/gl.ts", line("../solving/door")))).toEqual(["studio/src/painter/gl.ts imports studio/src/solving/door.ts"]);
   expect(upward(pasted("npm/index.ts", line("../studio/src/app/dom")))).toEqual(["npm/index.ts imports studio/src/app/dom.ts"]);
-  expect(circles(pasted("studio/src/work/door.ts", line("../../../npm/index")))).not.toEqual([]);
+  expect(circles(pasted("studio/src/solving/door.ts", line("../../../npm/index")))).not.toEqual([]);
 });
 
 test.each(['import "./panel";', "import(`./${name}.ts`);", 'import.meta.glob("./*.ts");', 'import("./" + name);', 'import "../app";'])("a path that names no file fails: %s", (line) => {

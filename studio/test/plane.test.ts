@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { initial } from "../src/state/initial.ts";
-import { gridOf } from "../src/work/lattices.ts";
+import { gridOf } from "../src/solving/lattices.ts";
 import { following, middleOf, onPlane, placeOn, planesOf } from "../src/state/plane.ts";
 import { AXES, type State, type Vec3 } from "../src/state/types.ts";
 

@@ -4,7 +4,7 @@ import { readdirSync, readFileSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
-import { compile, Door } from "../src/work/door.ts";
+import { compile, Door } from "../src/solving/door.ts";
 import { plain, report } from "../src/app/refusals.ts";
 import { type Notice, notice, noticeOf, Refusal } from "../src/state/notice.ts";
 import sentences from "../src/state/notices.json";

@@ -3,7 +3,7 @@ import { readFileSync } from "node:fs";
 import { expect, test } from "vitest";
 
 import type { Contour } from "../src/making/contours.ts";
-import { compile, Door } from "../src/work/door.ts";
+import { compile, Door } from "../src/solving/door.ts";
 import { letters } from "../src/making/lettering.ts";
 import type { Vec3 } from "../src/state/types.ts";
 

@@ -3,7 +3,7 @@ import { readFileSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
-import { compile, Door } from "../src/work/door.ts";
+import { compile, Door } from "../src/solving/door.ts";
 import { initial } from "../src/state/initial.ts";
 import { readLink, writeLink } from "../src/state/link.ts";
 import { added, removed } from "../src/state/points.ts";

@@ -6,8 +6,8 @@ import { readLink, writeLink } from "../src/state/link.ts";
 import { sentenceOf } from "../src/app/numbers.ts";
 import { colour, ticks } from "../src/painter/maps.ts";
 import { lengthOf } from "../src/making/paths.ts";
-import type { View } from "../src/work/studio.ts";
-import { limitsOf, skinPlane, touchOf } from "../src/work/touch.ts";
+import type { View } from "../src/solving/studio.ts";
+import { limitsOf, skinPlane, touchOf } from "../src/solving/touch.ts";
 import type { Look, Path, State, TouchQuantity } from "../src/state/types.ts";
 
 const circle: Path = { kind: "circle", radius: 0.02, frequency: 56 };

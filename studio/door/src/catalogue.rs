@@ -4,7 +4,7 @@ use midair::solvers::SOLVERS;
 use midair::{Board, presets::PRESETS};
 use serde_json::{Value, json};
 
-/// Returns version, presets, solvers and boards, with the names of `Catalogue` in studio/src/work/door.ts.
+/// Returns version, presets, solvers and boards, with the names of `Catalogue` in studio/src/solving/door.ts.
 pub(crate) fn catalogue() -> Value {
     let presets = PRESETS.iter().map(|preset| {
         let board = preset.board.unwrap_or_default();

@@ -5,7 +5,7 @@ import { element, write } from "./dom.ts";
 import { attended, type Connection, type ConnectionState, guard } from "../boards/connection.ts";
 import { type SerialBoard, type SerialPortLike, boardOf, connect } from "../boards/serial.ts";
 import { fits, Served } from "../boards/served.ts";
-import { shownOf } from "../work/studio.ts";
+import { shownOf } from "../solving/studio.ts";
 import { type Notice, noticeOf } from "../state/notice.ts";
 
 /** The part of `navigator` that browsers with WebSerial have. */

@@ -10,8 +10,8 @@ import { drawPixels, entry, type MapName, mapOf, type Tick, ticks } from "../pai
 import { onPlane, placeOn } from "../state/plane.ts";
 import { added, moved } from "../state/points.ts";
 import { MANY } from "./stage.ts";
-import { shownOf } from "../work/studio.ts";
-import { touchOf } from "../work/touch.ts";
+import { shownOf } from "../solving/studio.ts";
+import { touchOf } from "../solving/touch.ts";
 import type { Look, Slot, Vec3 } from "../state/types.ts";
 
 /** The page's elements for the comparison. */

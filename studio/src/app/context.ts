@@ -2,8 +2,8 @@
 
 import type { ServedBoard } from "../boards/served.ts";
 import type { Theme } from "../state/types.ts";
-import type { Engine } from "../work/engine.ts";
-import type { Studio } from "../work/studio.ts";
+import type { Engine } from "../solving/engine.ts";
+import type { Studio } from "../solving/studio.ts";
 import { element, write } from "./dom.ts";
 import { plain, report } from "./refusals.ts";
 import type { Language, Word } from "./words.ts";

@@ -5,11 +5,11 @@ import { element } from "./dom.ts";
 import { drawing } from "../making/drawing.ts";
 import { MOST_POINTS } from "../state/initial.ts";
 import { noticeOf, refuse, Refusal } from "../state/notice.ts";
-import { gridOf, wavelength } from "../work/lattices.ts";
+import { gridOf, wavelength } from "../solving/lattices.ts";
 import { pictured } from "../making/pixels.ts";
 import { planesOf } from "../state/plane.ts";
 import { stateOf } from "../state/scene_file.ts";
-import { resultOf } from "../work/studio.ts";
+import { resultOf } from "../solving/studio.ts";
 import type { Slot } from "../state/types.ts";
 
 /** The longer side of an opened drawing, in m. */

@@ -2,7 +2,7 @@
 
 import { along, type Camera, fit, FOCAL, frame, Sight, type Spot } from "../painter/camera.ts";
 import { placeOn, planesOf } from "../state/plane.ts";
-import type { Studio } from "../work/studio.ts";
+import type { Studio } from "../solving/studio.ts";
 import type { State, Vec3 } from "../state/types.ts";
 
 /** Rotation per pixel, in rad. */

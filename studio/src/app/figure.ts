@@ -10,7 +10,7 @@ import { sampleAt } from "../painter/lattice.ts";
 import { colour, drawPixels, entry, mapOf, ticks } from "../painter/maps.ts";
 import { middleOf, onPlane, SIDES } from "../state/plane.ts";
 import { AXES, type Lattice, type Look, type Slot } from "../state/types.ts";
-import { shownOf } from "../work/studio.ts";
+import { shownOf } from "../solving/studio.ts";
 import type { Part } from "./recording.ts";
 import type { Word } from "./words.ts";
 

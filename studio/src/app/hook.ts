@@ -1,14 +1,14 @@
 /** The interface for scripts: `window.midair`, with plain data as arguments and results. */
 
 import { checked } from "../state/check.ts";
-import type { Engine } from "../work/engine.ts";
+import type { Engine } from "../solving/engine.ts";
 import { writeLink } from "../state/link.ts";
 import { lookOf } from "./look.ts";
 import { metricsOf, strengthLevel } from "./numbers.ts";
 import type { Page } from "./page.ts";
 import { onPlane } from "../state/plane.ts";
 import { sample } from "../painter/lattice.ts";
-import type { Studio } from "../work/studio.ts";
+import type { Studio } from "../solving/studio.ts";
 import type { Slot, State, Vec3 } from "../state/types.ts";
 import { Refusal } from "../state/notice.ts";
 

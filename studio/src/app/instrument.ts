@@ -3,7 +3,7 @@
 import { changes } from "../state/changes.ts";
 import type { Context } from "./context.ts";
 import { element, stepOf } from "./dom.ts";
-import { wavelength } from "../work/lattices.ts";
+import { wavelength } from "../solving/lattices.ts";
 import { roundStep } from "../painter/maps.ts";
 import { middleOf, placeOn, SIDES } from "../state/plane.ts";
 import { createReadout } from "./readout.ts";

@@ -1,8 +1,8 @@
 /** Look: the common colour scale of both methods. */
 
-import type { View } from "../work/studio.ts";
-import { FREQUENCY } from "../work/lattices.ts";
-import { isTouch } from "../work/touch.ts";
+import type { View } from "../solving/studio.ts";
+import { FREQUENCY } from "../solving/lattices.ts";
+import { isTouch } from "../solving/touch.ts";
 import type { Look, Shade, State, Theme } from "../state/types.ts";
 
 /** The shown wave is this many times slower than sound: 2 Hz, below the three flashes per second that can be harmful. */

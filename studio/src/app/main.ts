@@ -2,7 +2,7 @@
 
 import "./style.css";
 import { check } from "../state/check.ts";
-import { type Engine, startEngine } from "../work/engine.ts";
+import { type Engine, startEngine } from "../solving/engine.ts";
 import { stateOf } from "../state/scene_file.ts";
 import { Eye } from "./eye.ts";
 import { createHook, type Hook } from "./hook.ts";
@@ -10,8 +10,8 @@ import { first, initial } from "../state/initial.ts";
 import { readLink } from "../state/link.ts";
 import { type Manner, Page } from "./page.ts";
 import { report } from "./refusals.ts";
-import SolveWorker from "../work/solve.worker.ts?worker&inline";
-import { Studio } from "../work/studio.ts";
+import SolveWorker from "../solving/solve.worker.ts?worker&inline";
+import { Studio } from "../solving/studio.ts";
 import type { State } from "../state/types.ts";
 import type { Language } from "./words.ts";
 import wasmUrl from "../../built/midair.wasm?url";

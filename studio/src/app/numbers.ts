@@ -1,7 +1,7 @@
 /** Numbers: the table of both methods' metrics, with the better value of each row marked. */
 
-import { type Result, shownOf, type View } from "../work/studio.ts";
-import { touchOf } from "../work/touch.ts";
+import { type Result, shownOf, type View } from "../solving/studio.ts";
+import { touchOf } from "../solving/touch.ts";
 import type { Slot, Touched } from "../state/types.ts";
 import type { Word } from "./words.ts";
 

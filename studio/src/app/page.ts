@@ -2,9 +2,9 @@
 
 import type { ServedBoard } from "../boards/served.ts";
 import { LEVELS, type Level, QUANTITIES, type Quantity, type Theme } from "../state/types.ts";
-import type { Engine } from "../work/engine.ts";
-import type { Result, Studio } from "../work/studio.ts";
-import { isTouch, skinPlane } from "../work/touch.ts";
+import type { Engine } from "../solving/engine.ts";
+import type { Result, Studio } from "../solving/studio.ts";
+import { isTouch, skinPlane } from "../solving/touch.ts";
 import { announceChanges } from "./announce.ts";
 import { createBar } from "./bar.ts";
 import { createCompare } from "./compare.ts";

@@ -1,9 +1,9 @@
 /** Player: animates points on a path frame by frame, A by the solver `glide`, B by its own method; plays, seeks, records. */
 
 import { pressure } from "./numbers.ts";
-import { fateOf } from "../work/beads.ts";
-import { isTouch, limitsOf, touchOf } from "../work/touch.ts";
-import { countOf, requestOf, SLOWEST, Turn } from "../work/turn.ts";
+import { fateOf } from "../solving/beads.ts";
+import { isTouch, limitsOf, touchOf } from "../solving/touch.ts";
+import { countOf, requestOf, SLOWEST, Turn } from "../solving/turn.ts";
 import { createChart } from "./chart.ts";
 import { type Context, millimetres } from "./context.ts";
 import { element, explained, write } from "./dom.ts";

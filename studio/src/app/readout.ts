@@ -4,7 +4,7 @@ import { type Context, millimetres } from "./context.ts";
 import { element } from "./dom.ts";
 import { pressure, strengthLevel } from "./numbers.ts";
 import { sample } from "../painter/lattice.ts";
-import { playedOf, shownOf } from "../work/studio.ts";
+import { playedOf, shownOf } from "../solving/studio.ts";
 import type { Slot, Vec3 } from "../state/types.ts";
 
 /** Makes a readout, with functions that show it for a place in a slot's field and hide it; `shown` is called with its text. */

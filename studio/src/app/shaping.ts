@@ -3,7 +3,7 @@
 import type { Context } from "./context.ts";
 import { element } from "./dom.ts";
 import { MOST_POINTS } from "../state/initial.ts";
-import { wavelength } from "../work/lattices.ts";
+import { wavelength } from "../solving/lattices.ts";
 import { traced } from "../making/glyphs.ts";
 import { letters } from "../making/lettering.ts";
 import { placeOn } from "../state/plane.ts";

@@ -1,15 +1,15 @@
 /** The notebook widget: the same page in a cell, in exchange with Python in both directions. */
 
 import style from "./style.css?inline";
-import { type Engine, startEngine } from "../work/engine.ts";
+import { type Engine, startEngine } from "../solving/engine.ts";
 import { element } from "./dom.ts";
 import { Eye } from "./eye.ts";
 import { stateOf } from "../state/scene_file.ts";
 import { initial } from "../state/initial.ts";
 import { metricsOf } from "./numbers.ts";
 import { type Manner, Page } from "./page.ts";
-import SolveWorker from "../work/solve.worker.ts?worker&inline";
-import { Studio } from "../work/studio.ts";
+import SolveWorker from "../solving/solve.worker.ts?worker&inline";
+import { Studio } from "../solving/studio.ts";
 import type { State } from "../state/types.ts";
 
 /** The model that anywidget provides. */

@@ -3,7 +3,7 @@
 // The start-up is that of docs/boards.md: silence, and silence once more when a restarted Arduino listens. Opening the port of
 // an Arduino restarts it.
 
-import type { BoardKind, Catalogue } from "../work/door.ts";
+import type { BoardKind, Catalogue } from "../solving/door.ts";
 import { type Notice, notice, noticeOf, refuse, Refusal } from "../state/notice.ts";
 import { Connection, type Report } from "./connection.ts";
 
