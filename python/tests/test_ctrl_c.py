@@ -140,7 +140,7 @@ CALLS = {
     "dataset": ("midair.dataset(request, tempfile.mkdtemp())", "import pyarrow.dataset"),
 }
 
-#: Known faults, which MIDAIR_SLOW shows: these calls are at times late by a second, some in SciPy and pyarrow.
+#: Known faults, which MIDAIR_SLOW shows: these calls are at times late by a second, some by SciPy, pyarrow.
 UNSTEADY = {"dataset", "doctor", "solve, lm, many points", "tune"}
 
 
