@@ -41,16 +41,23 @@ def guard_of(owner: int) -> int:
 
 
 def watcher_of(guard: int) -> int:
-    """Returns the process number of the watcher:
-    the process after the guard that has the guard's command line.
+    """Returns the process number of the watcher, no child of the guard: its only pipe is the guard's.
+
+    Other tests run guards and watchers with the same command line at the same time.
     """
-    command = Path(f"/proc/{guard}/cmdline").read_bytes()
-    begun = [path for path in Path("/proc").glob("[0-9]*/cmdline") if int(path.parent.name) > guard]
-    for path in sorted(begun, key=lambda path: int(path.parent.name)):
+    for path in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
-            if path.read_bytes() == command:
-                return int(path.parent.name)
+            if (
+                int(path.name) != guard
+                and (pipes := pipes_of(path))
+                and pipes <= pipes_of(Path(f"/proc/{guard}"))
+            ):
+                return int(path.name)
     raise AssertionError("no watcher")
+
+
+def pipes_of(process: Path) -> set[str]:
+    return {link for path in (process / "fd").iterdir() if (link := os.readlink(path)).startswith("pipe:")}
 
 
 @pytest.mark.slow
