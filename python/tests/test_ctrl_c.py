@@ -148,7 +148,11 @@ def test_ctrl_c_acts_at_any_moment_of_whatever_takes_long(name: str, threads: in
     call, setup = CALLS[name]
     moments = [random.uniform(0.01, LATEST * threads) for _ in range(MOMENTS)]
     program = PROGRAM.replace("SETUP", setup).replace("CALL", call).replace("MOMENTS", repr(moments))
-    environment = os.environ | {"RAYON_NUM_THREADS": str(threads), "OPENBLAS_NUM_THREADS": "1"}
+    environment = os.environ | {
+        "RAYON_NUM_THREADS": str(threads),
+        "OPENBLAS_NUM_THREADS": "1",
+        "PYTHONFAULTHANDLER": "1",
+    }
     command = [sys.executable, "-c", program]
     ran = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=HANG * MOMENTS)
     assert ran.returncode == 0, ran.stderr[-2000:]
