@@ -176,9 +176,9 @@ impl<'a> Control<'a> {
         if self.pulses.is_multiple_of(PULSES) { self.beat() } else { Ok(()) }
     }
 
-    /// Passes a pulse on to the observer.
+    /// Passes a pulse on to the observer at once: before a stage that takes long and has no pulses.
     #[inline(never)]
-    fn beat(&mut self) -> Result<(), Error> {
+    pub(crate) fn beat(&mut self) -> Result<(), Error> {
         if self.received {
             return Ok(());
         }

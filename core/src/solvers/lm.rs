@@ -84,6 +84,7 @@ impl Solve for Lm {
                     if length <= least {
                         return Ok(true);
                     }
+                    control.beat()?;
                     trial.refresh(problem);
                     let ratio = (state.cost - trial.cost) / predicted;
                     if ratio > 0.0 {
@@ -239,6 +240,7 @@ impl<'w> Normal<'w> {
     fn update(&mut self, rows: &Rows, state: &State, control: &mut Control) -> Result<(), Error> {
         let (count, lanes) = (rows.order.len(), self.dual.lanes());
         self.dual.derive(rows, &state.wave, (0..count).chain(0..count), None, control)?;
+        control.beat()?;
         self.steepest = f64::from(self.dual.back(&state.residual, &mut self.gradient));
         let matrix = &mut self.dual.matrix;
         for j in 0..count {
@@ -267,7 +269,9 @@ impl<'w> Normal<'w> {
         let Some(cholesky) = self.dual.factor(|_| damping as f32, control)? else { return Ok(None) };
         let mut dual = self.dual.work.floats.take_any(self.dual.lanes());
         dual.copy_from_slice(&state.residual);
+        control.beat()?;
         cholesky.solve(&mut dual);
+        control.beat()?;
         self.dual.back(&dual, &mut self.rotations);
         let (mut square, mut predicted) = (0.0, 0.0);
         let mut took = |d: f32, slope: f32| {
@@ -276,6 +280,7 @@ impl<'w> Normal<'w> {
             predicted += 0.5 * d * (damping * d - slope);
         };
         self.rotations.iter().zip(&self.gradient).for_each(|(&rotation, &slope)| took(-rotation, slope));
+        control.beat()?;
         trial.wave.rotate(rows, &state.wave, &self.rotations, -1.0);
         for j in 0..count {
             let (re, im) = (state.phasors[0][j], state.phasors[1][j]);
