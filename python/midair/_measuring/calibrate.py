@@ -161,7 +161,8 @@ def calibrate(
     readings first have an assumed error of 30 % of their root mean square; each step reduces it by .6, down
     to their noise (docs/measuring.md). The fit drops readings off the model by more than six times the
     scatter of all; a warning and `outlying` name them. The directivity's one number is fitted, too: an
-    exponent of the cosine for "point" and "cos", the size of a piston or strip.
+    exponent of the cosine for "point" and "cos", the size of a piston or strip. Any number of readings is
+    enough: the fewer they are, the more the prior decides, as `prior_share` reports.
 
     Examples
     --------
@@ -184,7 +185,6 @@ def calibrate(
     places = scene.points if microphones is None else places_of(microphones)
     played = drives_of(drives, len(array))
     received = readings_of(readings, len(played), len(places), complex)
-    _enough(received, played, array)
     least = number("noise", noise, least=0) if noise is not None else 0.0
     spread = number("prior", prior, above=0) if prior is not None else None
     if spread is not None and spread > MOST_PRIOR:
@@ -230,26 +230,17 @@ def _pose(value: Any) -> tuple[float, float]:
     return number("pose_error[0]", shift, least=0), number("pose_error[1]", turn, least=0)
 
 
-def _enough(received: Any, played: Complex, array: Array) -> None:
-    """Reject readings with fewer real numbers than transducers: only the prior would determine the rest.
+def _independent(received: Any, played: Complex, array: Array) -> int:
+    """Return the number of independent real numbers in the readings.
 
     If an array has C channels, a microphone gives at most C complex pressures, whatever the drives; |p| does
     not contain their common phase.
     """
     real = 2 if np.iscomplexobj(received) else 1
-    count, sounding = received.size * real, int(np.any(played, axis=0).sum())
-    if array.channels is not None:
-        driven = len(np.unique(array.channels[np.any(played, axis=0)]))
-        each = 2 * driven + real - 2
-        if each * received.shape[1] < sounding:
-            reason = f"{driven} driven channels tell {each} numbers at each, of {sounding} transducers"
-            raise stated(
-                "microphones", "are too few", f"{reason}; give {-(-sounding // each)} places or more"
-            )
-    if count < sounding:
-        least = "0.5 complex ones" if np.iscomplexobj(received) else "1"
-        cure = f"at least {least} a transducer are needed, 4 of |p| are plenty"
-        raise stated("readings", "are too few", f"{received.size} of {sounding} transducers; {cure}")
+    if array.channels is None:
+        return received.size * real
+    driven = len(np.unique(array.channels[np.any(played, axis=0)]))
+    return min(received.size * real, (2 * driven + real - 2) * received.shape[1])
 
 
 def _room(transducers: int, others: int, readings: int) -> None:
@@ -290,11 +281,20 @@ def _result(
             f"readings are off the model by {found.noise / loud:.0%} of their root mean square: "
             "check the places of the microphones, and that drives and readings are in one order"
         )
+    numbers = _independent(received, played, scene.array)
+    if numbers < sounding.sum():
+        share = found.prior_share[sounding].mean()
+        warn(
+            f"readings have {numbers} independent numbers for {sounding.sum()} transducers: the prior decides"
+            f" {share:.0%} of the responses; give more drives, or more places where channels are shared"
+        )
     gain, error = np.abs(response), found.responses_error * scale
     quiet = (found.chances[1] > 0.5) & (gain + SURELY * error < QUIET * np.median(gain[sounding]))
     dead = np.flatnonzero(sounding & (quiet | (found.chances[1] > DEAD)))
     off = np.abs(np.angle(response * np.conj(model.phases)))
-    reversed_ = np.setdiff1d(np.flatnonzero(sounding & (off > REVERSED) & (found.chances[2] > 0.5)), dead)
+    # With few readings the estimates are uncertain by more than their prior says.
+    turned = (off > REVERSED) & (found.chances[2] > 0.5) & (found.prior_share < 0.5)
+    reversed_ = np.setdiff1d(np.flatnonzero(sounding & turned), dead)
     response[dead] = 0
     # Transducers that did not play keep the responses that the array has.
     response = np.where(sounding, response, 1.0 if scene.array.response is None else scene.array.response)
@@ -303,6 +303,7 @@ def _result(
     return Calibration(
         response=response,
         response_error=error,
+        prior_share=found.prior_share,
         dead=dead,
         reversed=reversed_,
         sound_speed=float(state[0]),

@@ -41,6 +41,8 @@ class Fitted:
 
     responses: Complex
     responses_error: Real
+    #: Share (N,) of each response that the prior decides: posterior variance over the prior's.
+    prior_share: Real
     state: Real
     state_error: Real
     #: Standard deviation of a reading in Pa.
@@ -180,6 +182,7 @@ def fit(
     return Fitted(
         here.responses,
         np.sqrt((error[:n] ** 2 + error[n : 2 * n] ** 2) / 2),
+        (left[:n] + left[n : 2 * n]) / 2,
         here.state,
         others,
         max(found, noise),
@@ -192,23 +195,27 @@ def fit(
 def _start(
     model: Model, drives: Complex, readings: Real | Complex, believed: Real, used: NDArray[np.bool_]
 ) -> Real:
-    """Return the initial state: the best sound speed for the readings, and their loudness.
+    """Return the initial state: the best sound speed for the readings and its prior, and their loudness.
 
     Sound speeds within three standard deviations are compared. With a wrong sound speed, the wave's phase
-    over a large array is wrong by more than half a period, and the steps would not converge.
+    over a large array is wrong by more than half a period, and the steps would not converge. The readings
+    have the noise of the first step, so that a few of them do not outweigh the prior.
     """
     phased = np.iscomplexobj(readings)
-    reach = 3 * model.spread[SPEED]
-    best, start = -1.0, model.start
+    deviation = model.spread[SPEED]
+    reach, trust = 3 * deviation, (FIRST_TRUST * np.linalg.norm(readings)) ** 2 / used.sum()
+    best, start = np.inf, model.start
     for offset in np.arange(-reach, reach + SPEED_STEP, SPEED_STEP) if reach else [0.0]:
         state = model.start.copy()
         state[SPEED] = np.clip(state[SPEED] + offset, *AIR)
         p = _modelled(drives, believed, model.matrix(state), phased) * used
         product = np.vdot(p, readings) / np.linalg.norm(p)
-        if abs(product) > best:
+        # Without the squared norm of the readings, which is the same for every sound speed.
+        cost = -(abs(product) ** 2) / trust + (offset / max(deviation, SPEED_STEP)) ** 2
+        if cost < best:
             state[LOUDNESS] = np.log(np.linalg.norm(readings) / np.linalg.norm(p))
             state[CLOCK] = np.angle(product) if phased else 0.0
-            best, start = float(abs(product)), state
+            best, start = float(cost), state
     return np.asarray(start)
 
 

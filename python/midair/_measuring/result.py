@@ -78,6 +78,9 @@ class Calibration:
         Responses relative to `source_pressure`, 0 if dead; their common phase is that of the array's own.
     response_error : (N,) ndarray
         Error of the real and of the imaginary part of each response.
+    prior_share : (N,) ndarray
+        Share of each response that the prior decides: the variance after the readings over the variance
+        before them, 0 to 1.
     dead, reversed : ndarray of int
         Indices of transducers without sound, and of those with wires the wrong way round.
     sound_speed, sound_speed_error : float
@@ -108,6 +111,7 @@ class Calibration:
 
     response: NDArray[np.complex128]
     response_error: NDArray[np.float64]
+    prior_share: NDArray[np.float64]
     dead: NDArray[np.intp]
     reversed: NDArray[np.intp]
     sound_speed: float
@@ -167,6 +171,7 @@ class Calibration:
             f"{len(self.reversed)} reversed",
             f"{self.sound_speed:.2f} +- {self.sound_speed_error:.2g} m/s",
             f"noise {self.noise:.3g} Pa",
+            f"prior's share {self.prior_share.mean():.0%}",
             *([f"{counted(len(self.outlying), 'reading')} left out"] if len(self.outlying) else []),
         ]
         return f"<Calibration: {', '.join(parts)}>"
