@@ -24,7 +24,7 @@ RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml python/build.rs 
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-serve test-interrupts gateware test-studio npm test-npm unity test-unity lint fuzz sanitize bench bench-capi bench-peers pictures look docs generated api schema golden map header stubs pins wheels release clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-serve test-interrupts gateware test-studio npm test-npm unity test-unity lint fuzz sanitize bench bench-capi bench-peers measured pictures look docs generated api schema golden map header stubs pins wheels release clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -183,6 +183,9 @@ bench-capi: capi ## How much longer a solve takes through the C library than in 
 	MIDAIR_LIBRARY=$(abspath $(BUILT)/libmidair.so) $(CARGO) bench --quiet -p midair-capi --bench overhead
 
 RIVALS := autd3/ready autd3-rs textbook.so planar.so $(if $(ACOUSTOOLS),acoustools/ready)
+
+measured: .venv/extension ## Model and calibration beside published measurements (DATA=clone of insitu_optimization)
+	$(PYTHON) bench/measured.py $(DATA)
 
 bench-peers: setup ## midair beside its rivals: record and README table (QUICK=1: neither; ACOUSTOOLS=1: AcousTools too)
 	-$(MAKE) --keep-going --no-print-directory $(addprefix bench/.envs/,$(RIVALS))
