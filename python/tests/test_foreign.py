@@ -96,7 +96,7 @@ HEAVY = {
         SVG.format(f"<style>{'a{' * 5_000}</style>" * 3 + LINE),
         "style sheets of more than",
     ),
-    "depth": (SVG.format("<g>" * 20_000 + LINE + "</g>" * 20_000), "more than 100 deep"),
+    "depth": (SVG.format("<g>" * 20_000 + LINE + "</g>" * 20_000), "or 100 levels"),
     "a long path, often": (
         SVG.format(f'<path id="p" d="M0 0{"L1 2" * 20_000}"/>' + '<use href="#p"/>' * 100),
         "more than 100000 elements, 4 MB",

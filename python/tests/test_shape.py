@@ -181,7 +181,10 @@ def test_svg_has_y_up_groups_moved_and_hidden_things_left_out(svg: Callable[...,
     inside = """<defs><circle cx="0" cy="0" r="500"/></defs>
     <g transform="translate(10 10) scale(2)"><path d="M0 0 h20 v5"/></g>
     <path d="M-500 -500 L500 500" display="none"/><text x="900" y="900">hi</text>"""
-    points = svg(inside, step=0.001)
+    with pytest.warns(
+        midair.SceneWarning, match=r"draws .*drawing\.svg without 1 text: convert them to paths"
+    ):
+        points = svg(inside, step=0.001)
     # A horizontal line, then a shorter one downwards: y points down in SVG.
     assert points[0] == pytest.approx([-0.04, 0.01, 0.15])
     assert points[-1] == pytest.approx([0.04, -0.01, 0.15])

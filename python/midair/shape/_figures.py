@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Iterable
 from typing import Any, TypeAlias
 
@@ -16,6 +17,11 @@ Points: TypeAlias = NDArray[np.float64]
 
 #: Vertices of a polyline, and whether the last one is joined to the first.
 Contour: TypeAlias = tuple[Points, bool]
+
+#: Scripts, by the first word of their letters' Unicode names, whose letters are joined, reordered or stacked,
+#: beside those from right to left. Placing them needs a shaper, which matplotlib does not have.
+SHAPED = """BALINESE BENGALI DEVANAGARI GUJARATI GURMUKHI JAVANESE KANNADA KHMER MALAYALAM MONGOLIAN MYANMAR
+    ORIYA SINHALA TAMIL TELUGU TIBETAN"""
 
 #: Straight pieces per curve: a full circle has an error of 3e-4 of its radius.
 PIECES = 128
@@ -141,7 +147,8 @@ def text(string: str, *, height: float, z: float, step: float = STEP, font: str 
     Raises
     ------
     SceneError
-        For text without outlines, an unknown font, sizes not above 0, and for more than 100000 points.
+        For text without outlines, joined scripts such as Arabic, an unknown font, sizes not above 0, and for
+        more than 100000 points.
 
     Examples
     --------
@@ -153,6 +160,13 @@ def text(string: str, *, height: float, z: float, step: float = STEP, font: str 
     step, height, z = number("step", step), number("height", height, above=0), number("z", z)
     if not word("string", string).strip():
         raise refused("string", string, "give at least a letter")
+    for letter in string:
+        script = unicodedata.name(letter, "").partition(" ")[0]
+        if script in SHAPED.split() or unicodedata.bidirectional(letter) in ("R", "AL", "AN"):
+            cure = (
+                f"{script.title()} letters need a shaper, convert them to paths in an editor and give an svg"
+            )
+            raise refused("string", string, cure)
     outlines, capital = _outlines(string, font), _outlines("H", font)
     if not outlines:
         raise refused("string", string, "its letters have no outlines, give others")
