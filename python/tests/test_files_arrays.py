@@ -378,3 +378,70 @@ def test_a_number_that_another_one_refers_to(first: str, tmp_path: Path) -> None
     response = midair.Array.from_file(path).response
     assert response is not None
     assert np.allclose(3 * np.abs(response), [3, 1, 2])
+
+
+UNSET = '<void id="Integer0" property="shader"/>'
+
+
+def ordered(orders: list[str], phase: str = "") -> str:
+    """Returns an Ultraino file of transducers in a row, with these order numbers. `shader` is never set."""
+    made = "".join(
+        '<void method="add"><object class="acousticfield3d.simulation.Transducer">'
+        f"{UNSET if index == 0 else ''}"
+        f'<void property="orderNumber">{order}</void>{phase.format(index)}<void property="transform">'
+        f'<void property="translation">{number("x", 0.01 * index)}</void></void></object></void>'
+        for index, order in enumerate(orders)
+    )
+    listed = f'<void property="transducers">{made}</void>'
+    return f'{HEAD}<object class="acousticfield3d.simulation.Simulation">{listed}</object></java>'
+
+
+@pytest.mark.parametrize("size", [2, 5])
+@pytest.mark.parametrize("unset", [0, 1])
+def test_an_order_by_reference_to_what_was_never_set_is_the_number_left_out(
+    size: int, unset: int, tmp_path: Path
+) -> None:
+    orders = np.random.default_rng(size).permutation(size)
+    texts = [f"<int>{k}</int>" if k != unset else '<object idref="Integer0"/>' for k in orders]
+    path = tmp_path / "a.xml"
+    path.write_text(ordered(texts))
+    assert midair.Array.from_file(path).positions[:, 0] == pytest.approx(0.01 * np.argsort(orders))
+    # A reference that the others do not settle is 0, Java's default.
+    path.write_text(ordered(["<int>7</int>", '<object idref="Integer0"/>', "<int>9</int>"]))
+    assert midair.Array.from_file(path).positions[:, 0] == pytest.approx([0.01, 0, 0.02])
+
+
+def test_the_phases_of_an_ultraino_file_are_its_drive(tmp_path: Path) -> None:
+    path = tmp_path / "a.xml"
+    orders = [2, 0, 1]
+    texts = [f"<int>{k}</int>" for k in orders]
+    phase = '<void property="phase"><float>0.{}</float></void>'
+    path.write_text(ordered(texts, phase))
+    phases = np.pi * np.array([0.1, 0.2, 0.0])
+    assert np.allclose(midair.read(path), np.exp(1j * phases), atol=1e-6)
+    amplitude = '<void property="amplitude"><float>0.5</float></void>'
+    path.write_bytes(gzip.compress(ordered(texts, phase + amplitude).encode()))
+    assert np.allclose(midair.read(path), 0.5 * np.exp(1j * phases), atol=1e-6)
+    path.write_text(ordered(texts, amplitude.replace("0.5", "1.5")))
+    with pytest.raises(midair.SceneError, match=r"line 3: amplitude is 1\.5: give 0 to 1"):
+        midair.read(path)
+    path.write_text("<Renderer/>")
+    with pytest.raises(midair.SceneError, match="no drive is in it"):
+        midair.read(path)
+
+
+def test_the_field_of_a_drive_from_ultraino_is_that_of_its_formula(tmp_path: Path) -> None:
+    path = tmp_path / "a.xml"
+    path.write_text(
+        ordered([f"<int>{k}</int>" for k in range(4)], '<void property="phase"><float>0.{}</float></void>')
+    )
+    array = midair.Array.from_file(path)
+    place = np.array([[0.013, 0.004, 0.11]])
+    field = np.asarray(midair.Scene(array, place).propagation()) @ midair.read(path)
+    # CalcField.java: power sinc(k a sin(theta) / 2) / r, at k r + pi phase.
+    wave = 2 * np.pi * 40e3 / array.medium["sound_speed"]
+    apart = place[0] - array.positions
+    r = np.linalg.norm(apart, axis=1)
+    u = 0.5 * 9e-3 * wave * np.hypot(apart[:, 0], apart[:, 1]) / r
+    expected = (2.53 * np.sin(u) / u / r * np.exp(1j * (wave * r + 0.1 * np.pi * np.arange(4)))).sum()
+    assert abs(field[0]) == pytest.approx(abs(expected), rel=0.03)

@@ -60,7 +60,7 @@ def read(
     |---|---|
     | `.npz`, `.json` | the Solution or Sequence, or drives alone |
     | `.holo`, `.csv` of AcousTools or Ultraino, `.bin` | drives, complex64: (N,) of one frame, else (T, N) |
-    | `.csv` of a drive | the drive (N,) |
+    | `.csv` of a drive; `.xml.gz` or `.xml` of Ultraino | the drive (N,) |
     | `.csv` of control points | times, points, intensities and frequencies: midair._files.ControlPoints |
 
     The first row of a .csv identifies its kind; Ultraino's has none and is identified by its name. Drives
@@ -88,7 +88,12 @@ def read(
         return board_frames.read(path, player)
     if ending == ".csv":
         return _csv(path, array)
-    raise fault(path, None, "it has no known ending", "give .npz, .json, .csv, .holo or .bin")
+    if ending in (".xml", ".gz"):
+        root = _xml(path)
+        if root.name == "java":
+            return ultraino.read_drive(path, root)
+        raise fault(path, None, "no drive is in it", "read its array by midair.Array.from_file")
+    raise fault(path, None, "it has no known ending", "give .npz, .json, .csv, .holo, .bin or .xml.gz")
 
 
 def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64] | ControlPoints:
@@ -172,7 +177,8 @@ def _layout(path: str | PathLike[str]) -> Layout:
     if ending.endswith(".pat"):
         return _openmpd(path)
     if ending.endswith((".xml.gz", ".xml")):
-        return _xml(path)
+        root = _xml(path)
+        return ultraino.read(path, root) if root.name == "java" else handybeam.read(path, root)
     if ending.endswith(".json"):
         return autd3.read(path)
     if ending.endswith(".csv"):
@@ -194,9 +200,9 @@ def _openmpd(path: str | PathLike[str]) -> Layout:
     )
 
 
-def _xml(path: str | PathLike[str]) -> Layout:
+def _xml(path: str | PathLike[str]) -> xml.Element:
+    """Return the root element of an XML file, unpacked."""
     data = content(path, MOST_BYTES)
     if data[:2] == b"\x1f\x8b":
         data = unpacked(path, data, "gzip", MOST_BYTES)
-    root = xml.parse(path, data)
-    return ultraino.read(path, root) if root.name == "java" else handybeam.read(path, root)
+    return xml.parse(path, data)

@@ -3,8 +3,8 @@
 An array (arrays/) is a Java object of class Simulation, written by XMLEncoder. Its y axis points up: a flat
 array lies in y = 0 and faces +y. In midair it lies in z = 0 and faces +z, so (x, y, z) becomes (x, -z, y),
 also for normals. A transducer has the width `apperture`, the directivity sin(x)/x (CalcField.java) and
-`power`, its pressure times distance at full drive in Pa m. Phase corrections belong to the board and are not
-read.
+`power`, its pressure times distance at full drive in Pa m. Its drive is `amplitude` (or `pAmplitude`) and
+`phase`, in rad over pi. Phase corrections belong to the board and are not read.
 
 A pair of .csv (ImportAnimationForm.java) has phases in rad in one file and amplitudes from 0 to 1 in the
 other. There is no header. A row is a frame, a column a transducer, in the order of their numbers. Ultraino
@@ -37,14 +37,39 @@ PHASE, AMPLITUDE = "Phase", "Amp"
 NAMED = f"0_{PHASE}"
 
 
-def read(path: str | PathLike[str], root: Element) -> Layout:
-    """Read the transducers of a Simulation, in the order of their numbers."""
+def _transducers(path: str | PathLike[str], root: Element) -> list[Bean]:
+    """Return the transducers of a Simulation, in the order of their numbers."""
     beans = Decoder(path, root).beans
     found = _listed(beans) or [bean for bean in beans if bean.kind.endswith(".Transducer")]
     if not found:
         raise fault(path, None, "no Transducer is in it", "give a file that Ultraino saved as an array")
-    # `sorted` is stable: transducers with equal numbers stay in the order of the file.
-    found = sorted(found, key=lambda bean: _number(path, bean, "orderNumber", 0.0))
+    orders = np.array([_number(path, bean, "orderNumber", 0.0, unset=np.nan) for bean in found])
+    # A number may refer to a property with a default, which the file does not state: then it is the one that
+    # all others leave out, or else 0.
+    free = set(range(len(found))) - set(orders)
+    orders[np.isnan(orders)] = free.pop() if len(free) == 1 else 0
+    # Transducers with equal numbers stay in the order of the file.
+    return [found[index] for index in np.argsort(orders, kind="stable")]
+
+
+def read_drive(path: str | PathLike[str], root: Element) -> NDArray[np.complex64]:
+    """Return the drive (N,) that is stored in the transducers of a Simulation."""
+    found = _transducers(path, root)
+    sizes = np.zeros(len(found))
+    for name in ("pAmplitude", "amplitude"):
+        sizes = np.array([_number(path, bean, name, size) for bean, size in zip(found, sizes, strict=True)])
+    if not any(name in bean.properties for bean in found for name in ("pAmplitude", "amplitude")):
+        sizes[:] = 1
+    for bean, size in zip(found, sizes, strict=True):
+        if not 0 <= size <= 1:
+            raise fault(path, bean.line, f"amplitude is {size:g}", "give 0 to 1")
+    turns = np.array([_number(path, bean, "phase", 0.0) for bean in found])
+    return (sizes * np.exp(1j * np.pi * turns)).astype(np.complex64)
+
+
+def read(path: str | PathLike[str], root: Element) -> Layout:
+    """Read the array of a Simulation."""
+    found = _transducers(path, root)
     positions = np.array([_vector(path, _part(path, bean, "translation"), "xyz") for bean in found])
     rotations = np.array([_vector(path, _part(path, bean, "rot"), "wxyz", 1.0) for bean in found])
     for bean, rotation in zip(found, rotations, strict=True):
@@ -98,8 +123,11 @@ def _vector(path: str | PathLike[str], part: Bean, axes: str, first: float = 0.0
     return [_number(path, part, axis, first if axis == "w" else 0.0) for axis in axes]
 
 
-def _number(path: str | PathLike[str], bean: Bean, name: str, default: float) -> float:
+def _number(path: str | PathLike[str], bean: Bean, name: str, default: float, unset: float = 0.0) -> float:
+    """Return a property; `unset` is the value of a reference to a property that was never set, in Java 0."""
     found: Any = bean.properties.get(name, default)
+    if isinstance(found, Bean) and not (found.kind or found.properties or found.items):
+        return unset
     if not isinstance(found, float):
         reported = (
             f"an object of {found.kind or 'no class'}" if isinstance(found, Bean) else f"{str(found)[:40]!r}"
