@@ -7,7 +7,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future
+from concurrent.futures import Future, wait
 from contextlib import contextmanager
 from types import FrameType
 from typing import Any, NoReturn, TypeVar
@@ -88,10 +88,11 @@ def interruptibly(function: Callable[..., T], *arguments: Any, **keywords: Any) 
         except BaseException as error:
             result.set_exception(error)
 
-    thread = threading.Thread(target=call, name=LIBRARY)
-    thread.start()
-    while thread.is_alive():
-        thread.join(0.05)
+    threading.Thread(target=call, name=LIBRARY).start()
+    # Not `Thread.join`: if Ctrl-C interrupts it, Python below 3.13 takes the thread for ended, and at its own
+    # end it does not wait for it.
+    while not wait([result], 0.05).done:
+        pass
     return result.result()
 
 
