@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import re
 import sys
 from collections.abc import Iterator
@@ -18,6 +19,12 @@ def members(owner: type) -> Iterator[str]:
     """
     fields = {field.name for field in dataclasses.fields(owner)} if dataclasses.is_dataclass(owner) else set()
     fields |= set(getattr(owner, "_fields", ()))
+    _, _, attributes = (inspect.getdoc(owner) or "").partition("\nAttributes\n---")
+    fields |= {
+        name
+        for names in re.findall(r"^(\w[\w, ]*) : ", attributes, re.MULTILINE)
+        for name in names.split(", ")
+    }
     for base in owner.__mro__:
         if base.__module__.startswith("midair"):
             own = (name for name in vars(base) if not name.startswith("_") and name not in fields)

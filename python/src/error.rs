@@ -42,7 +42,9 @@ pyo3::create_exception!(
 
 Attributes
 ----------
-code, item, value, cure, index
+code, item, value, cure : str
+    As for `SceneError`.
+index : int or None
     As for `SceneError`.
 
 Examples

@@ -130,7 +130,7 @@ class Stub:
         """Returns an argument in Python."""
         kind = argument.by == "**" and OTHERS.get(argument.name)
         kind = kind or self.kinds.argument(argument.name, argument.kind, function.doc, owner)
-        if argument.default == "None" and kind != "Any":
+        if argument.default == "None" and kind != "Any" and not kind.endswith(" | None"):
             kind += " | None"
         default = argument.default
         if default is not None and not re.match(r"""["'(\-\d]""", default):
