@@ -112,12 +112,20 @@ pub unsafe extern "C" fn midair_session_follow(
         let count = state.session.transducers();
         room("drives", drives, frames.saturating_mul(transducers), frames.saturating_mul(count))?;
         let mut output = vec![Complex32::ZERO; frames * count];
-        let State { session, moving, .. } = &mut *state;
+        let State { session, moving, model, .. } = &mut *state;
+        let mut said = Vec::new();
         if let Some(moving) = moving {
-            session.follow_moving(moving, range, &mut output, &mut Control::none())?;
+            session.follow_moving(moving, range.clone(), &mut output, &mut Control::none())?;
+            if message.is_wanted() {
+                said.extend(moving.strain(range, &output, model, &mut Control::none())?.map(|doubt| doubt.to_string()));
+            }
         }
         // SAFETY: `room` was checked, and the caller guarantees the buffer; both complex types are two consecutive f32.
         unsafe { write(drives.cast(), &output) };
-        Ok(if message.is_wanted() { state.remarks() } else { String::new() })
+        if message.is_wanted() {
+            said.insert(0, state.remarks());
+        }
+        said.retain(|line| !line.is_empty());
+        Ok(said.join("\n"))
     })
 }

@@ -24,7 +24,7 @@ pub(crate) struct State {
     setting: Setting,
     /// Warnings about the settings.
     doubts: Vec<String>,
-    model: Model,
+    pub(crate) model: Model,
     pub(crate) session: midair::Session,
     pub(crate) ask: SolveRequest,
     /// The request of the scene from which the session was made.
@@ -49,7 +49,9 @@ impl State {
         let (scene, moving) = open(text.as_bytes(), Format::of_text(text.as_bytes()), source, instruction_set()?)?;
         let (state, said) = Self::open(Setting::of_scene(&scene)?, &[])?;
         let scene_request = moving.is_none().then(|| SolveRequest::of_scene(&scene));
-        Ok((Self { scene_request, moving, ..state }, said))
+        let doubts = moving.iter().flat_map(Moving::doubts).map(|doubt| doubt.to_string());
+        let said: Vec<String> = Some(said).filter(|said| !said.is_empty()).into_iter().chain(doubts).collect();
+        Ok((Self { scene_request, moving, ..state }, said.join("\n")))
     }
 
     /// Solves the request of the scene from which the session was made.

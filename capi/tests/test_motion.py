@@ -121,3 +121,14 @@ def test_what_is_no_motion_is_refused(library: Library) -> None:
         result, message = library.call("session_open", text, None, np.zeros(1, np.uintp))
         assert result == 1
         assert fault in message
+
+
+def test_points_that_are_too_fast_are_reported_as_by_the_package(library: Library, tmp_path: Path) -> None:
+    text = FILES["circle"].replace("frequency = 20.0", "frequency = 50.0")
+    handle = np.zeros(1, np.uintp)
+    _, said = library.call("session_open", text, None, handle)
+    library.plain("session_free", int(handle[0]))
+    (tmp_path / "motion.toml").write_text(text)
+    with pytest.warns(midair.SceneWarning, match="m/s needs") as reported:
+        document.read(tmp_path / "motion.toml").solve()
+    assert said == str(reported[0].message)

@@ -104,7 +104,9 @@ pub use scene::{
     Origin, Parameter, Part, PartKind, PartValue, Particle, Plane, Request, Scene, Signature, Start, Surface,
     Transducer, Value, presets, spell, spl, word,
 };
-pub use session::{Batch, Frames, Moving, Pace, Session, SolveRequest, look, meant, sight};
+pub use session::{
+    Batch, FOLLOWER, Frames, Moving, MovingSolver, Pace, Played, Pull, Session, SolveRequest, Trajectory, meant, sight,
+};
 #[doc(hidden)]
 pub use solvers::options::private as __private;
 pub use solvers::options::{Configure, OptionInfo};

@@ -3,7 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use midair::flight::{BeadStart, Course as Inner, Envelope};
-use midair::{Complex32, Complex64, poised};
+use midair::{Complex32, Complex64};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -188,18 +188,5 @@ impl Scene {
         let pair = (read::vectors("velocities", velocities)?, read::vectors("accelerations", accelerations)?);
         let needed: Vec<_> = pair.0.iter().zip(&pair.1).map(|(&v, &a)| particle.needed(medium, v, a)).collect();
         give::rows(velocities.py(), &needed)
-    }
-
-    /// Returns the place (3,) near a point where a trap gives the bead `force` (3,) in N in addition to the weight, or None.
-    fn _poised<'py>(
-        &self,
-        drive: &Bound<'py, PyAny>,
-        point: [f64; 3],
-        force: [f64; 3],
-    ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
-        let (py, model, bead) = (drive.py(), self.model(), self.inner.bead());
-        let drive = read::drive("drive", drive)?;
-        let place = attend(py, None, |mut control| poised(&model, &drive, point, bead, force, &mut control))?;
-        Ok(place.map(|place| give::list(py, place.to_vec())))
     }
 }

@@ -1,6 +1,5 @@
 //! The Python binding: NumPy in, NumPy out, the GIL released. It reads arguments and calls the core once.
 
-mod ahead;
 mod array;
 mod batch;
 mod bead;
@@ -67,8 +66,6 @@ mod _midair {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use super::ahead::{stiffen, tracks};
-    #[pymodule_export]
     use super::array::{Array, PresetInfo, directivities, presets};
     #[pymodule_export]
     use super::batch::{Batch, solve_batch};
@@ -101,7 +98,7 @@ mod _midair {
     #[pymodule_export]
     use super::motion::Motion;
     #[pymodule_export]
-    use super::moving::{bound_of, look, meant, sight};
+    use super::moving::{Horizon, Moving, bound_of, check_together, paced};
     #[pymodule_export]
     use super::names::{nearest, preset_name, solver_name};
     #[pymodule_export]

@@ -74,16 +74,19 @@ pub(crate) struct State {
     elapsed: f64,
 }
 
+/// Locks what only one thread may use at a time.
+pub(crate) fn free<'a, T>(lock: &'a Mutex<T>, item: &str, cure: &str) -> PyResult<MutexGuard<'a, T>> {
+    match lock.try_lock() {
+        Ok(free) => Ok(free),
+        // A call that panicked leaves no data that the next call uses.
+        Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+        Err(TryLockError::WouldBlock) => Err(invalid(item, "at work in another thread", cure)),
+    }
+}
+
 impl Solver {
     pub(crate) fn state(&self) -> PyResult<MutexGuard<'_, State>> {
-        match self.state.try_lock() {
-            Ok(state) => Ok(state),
-            // A call that panicked leaves no data that the next call uses.
-            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
-            Err(TryLockError::WouldBlock) => {
-                Err(invalid("solver", "at work in another thread", "give each thread a Solver of its own"))
-            }
-        }
+        free(&self.state, "solver", "give each thread a Solver of its own")
     }
 
     /// Returns a value of the last solution.
@@ -95,7 +98,39 @@ impl Solver {
 }
 
 /// State of `glide` as Python objects.
-type Remembered<'py> = (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f32>>, f32, Bound<'py, PyArray2<f64>>);
+pub(crate) type Remembered<'py> =
+    (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f32>>, f32, Bound<'py, PyArray2<f64>>);
+
+/// Returns the state of a solver after its last frame; None before the first.
+pub(crate) fn remembered<'py>(py: Python<'py>, last: &Last) -> PyResult<Option<Remembered<'py>>> {
+    if last.is_empty() {
+        return Ok(None);
+    }
+    let (drives, weights, unevenness) = last.parts();
+    let table = give::table(py, drives.concat(), [3, drives[0].len()])?;
+    Ok(Some((table, give::list(py, weights.to_vec()), unevenness, give::rows(py, last.motion())?)))
+}
+
+/// The arguments of `restore`, as [`remembered`] returns them.
+pub(crate) type Kept<'py> =
+    (PyReadonlyArray2<'py, Complex32>, PyReadonlyArray1<'py, f32>, f32, PyReadonlyArray2<'py, f64>);
+
+/// Reads the state of a solver of `transducers`.
+pub(crate) fn restored((drives, weights, unevenness, motion): Kept<'_>, transducers: usize) -> PyResult<Last> {
+    let shape = drives.shape();
+    if shape != [3, transducers] {
+        let cure = format!("give (3, {transducers}), of last()");
+        return Err(invalid("drives", &format!("of shape {shape:?}"), &cure));
+    }
+    if motion.shape()[1] != 3 {
+        let shape = format!("of shape {:?}", motion.shape());
+        return Err(invalid("motion", &shape, "give (K, 3), of last()"));
+    }
+    let rows = drives.as_array();
+    let parts = [0, 1, 2].map(|k| rows.row(k).to_vec());
+    let motion = motion.as_array().rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect();
+    Ok(Last::restore(parts, weights.as_array().to_vec(), unevenness, motion))
+}
 
 /// Copies points into a reused list; a C-contiguous float64 array is copied only once.
 fn copy_points(value: &Bound<'_, PyAny>, points: &mut Vec<[f64; 3]>) -> PyResult<()> {
@@ -308,14 +343,7 @@ impl Solver {
     ///     complex64 (3, N) drives at full amplitude as found and as played, and the envelopes; float32 (M,) weights;
     ///     the unevenness of the points; of traps (K, 3) places in m, velocities and accelerations.
     fn last<'py>(&self, py: Python<'py>) -> PyResult<Option<Remembered<'py>>> {
-        let mut state = self.state()?;
-        let last = state.session.last();
-        if last.is_empty() {
-            return Ok(None);
-        }
-        let (drives, weights, unevenness) = last.parts();
-        let table = give::table(py, drives.concat(), [3, drives[0].len()])?;
-        Ok(Some((table, give::list(py, weights.to_vec()), unevenness, give::rows(py, last.motion())?)))
+        remembered(py, self.state()?.session.last())
     }
 
     /// Restore the state from `last`.
@@ -339,19 +367,8 @@ impl Solver {
         motion: PyReadonlyArray2<'_, f64>,
     ) -> PyResult<()> {
         let mut state = self.state()?;
-        let (shape, transducers) = (drives.shape(), state.session.transducers());
-        if shape != [3, transducers] {
-            let cure = format!("give (3, {transducers}), of last()");
-            return Err(invalid("drives", &format!("of shape {shape:?}"), &cure));
-        }
-        if motion.shape()[1] != 3 {
-            let shape = format!("of shape {:?}", motion.shape());
-            return Err(invalid("motion", &shape, "give (K, 3), of last()"));
-        }
-        let rows = drives.as_array();
-        let parts = [0, 1, 2].map(|k| rows.row(k).to_vec());
-        let motion = motion.as_array().rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect();
-        *state.session.last() = Last::restore(parts, weights.as_array().to_vec(), unevenness, motion);
+        let transducers = state.session.transducers();
+        *state.session.last() = restored((drives, weights, unevenness, motion), transducers)?;
         Ok(())
     }
 

@@ -33,6 +33,9 @@ const KEPT: f64 = 0.9;
 /// The part of a pressure that may be lost by rounding to an amplitude of the table.
 const LOST: f64 = 2e-3;
 
+/// The relative rounding error of an amplitude that should be one of the table.
+const ROUNDING: f64 = 1e-9;
+
 /// The allowed rounding error in a number of steps that should be whole.
 const STEP_ROUNDING: f64 = 1e-9;
 
@@ -187,6 +190,13 @@ impl Quantization {
             Some(&least) if largest > 0.0 && largest < FULL * least => largest / least,
             _ => 1.0,
         }
+    }
+
+    /// Returns the highest amplitude, or 0, that is not above `factor`; `factor` itself if the amplitude is continuous.
+    pub(crate) fn at_most(&self, factor: f64) -> f64 {
+        let Some(table) = self.amplitudes() else { return factor };
+        let above = table.partition_point(|&amplitude| amplitude <= factor * (1.0 + ROUNDING));
+        above.checked_sub(1).map_or(0.0, |k| table[k])
     }
 
     /// Returns the two amplitudes next to `factor`, below and above it. Returns `None` if the lower one is accurate to 1/500,

@@ -13,7 +13,7 @@ use crate::files::{frames, path, place, read};
 use crate::kernels::InstructionSet;
 use crate::points::Path;
 use crate::scene::{Request, Scene};
-use crate::session::{Moving, Pace, sight};
+use crate::session::{Moving, Pace, Trajectory, sight};
 
 /// The contents of a document with `[motion]`.
 #[derive(Clone, Debug)]
@@ -50,7 +50,8 @@ impl Motion {
             let cure = "midair's Python package solves frames together: leave it out here";
             return Err(self.located(Error::conflict("ahead", value, cure)));
         }
-        Moving::new(self.scene.clone(), &self.path, self.pace, set)
+        let frames = Trajectory::of(&self.path, self.pace.rate)?;
+        Moving::new(self.scene.clone(), frames, self.pace, self.ahead, set)
     }
 
     /// Returns an error about a key of `[motion]`, such as `rate`, with its place in the document; `None` for an error about

@@ -26,7 +26,6 @@ use crate::control::{Control, bytes};
 use crate::device::channels::Channels;
 use crate::device::quantization::Quantization;
 use crate::error::Error;
-use crate::math;
 use crate::propagation::Model;
 use crate::propagation::forces::stiffness::Stiffness;
 use crate::sequence::ahead::{Ahead, transpose};
@@ -112,8 +111,7 @@ impl Lap<'_> {
     fn drives(&self, codes: &[u16]) -> Vec<Complex32> {
         let on: Vec<bool> = (0..self.frames.transducers).map(|i| self.frames.is_on(i)).collect();
         let drive = |(k, &code): (usize, &u16)| {
-            let [re, im] = self.circle.drive(code);
-            if on[k % on.len()] { Complex32::new(re, im) } else { Complex32::ZERO }
+            if on[k % on.len()] { self.circle.phasor(code) } else { Complex32::ZERO }
         };
         codes.iter().enumerate().map(drive).collect()
     }
@@ -215,12 +213,5 @@ impl Lap<'_> {
         })?;
         transpose(&tracks, transducers, codes);
         Ok(())
-    }
-}
-
-impl Circle {
-    /// Returns the code of the phase nearest to that of a drive; 0 for a drive of 0.
-    fn nearest(&self, q: Complex32) -> u16 {
-        (math::round(math::phase(q) / TAU * self.levels as f64) as usize % self.levels) as u16
     }
 }

@@ -6,12 +6,15 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
+use core::f64::consts::TAU;
+
+use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::InstructionSet;
 use crate::kernels::track::{Gain, advance, advance_floats};
-use crate::math::phasor;
+use crate::math::{phase, phasor, round};
 
 /// A device's phases 2 pi l / L, and the largest change of a transducer's phase from one frame to the next.
 pub(super) struct Circle {
@@ -34,6 +37,17 @@ impl Circle {
         [self.cos[usize::from(code)], self.sin[usize::from(code)]]
     }
 
+    /// Returns the drive of a code as a complex number.
+    pub(super) fn phasor(&self, code: u16) -> Complex32 {
+        let [re, im] = self.drive(code);
+        Complex32::new(re, im)
+    }
+
+    /// Returns the code of the phase nearest to that of a drive; 0 for a drive of 0.
+    pub(super) fn nearest(&self, q: Complex32) -> u16 {
+        nearest_code(q, self.levels)
+    }
+
     /// Returns `code` changed by `steps`, which is less than a whole turn.
     pub(super) fn moved(&self, code: u16, steps: isize) -> u16 {
         (usize::from(code) + self.levels).wrapping_add_signed(steps).rem_euclid(self.levels) as u16
@@ -44,6 +58,11 @@ impl Circle {
         let apart = usize::from(a.abs_diff(b));
         apart.min(self.levels - apart)
     }
+}
+
+/// Returns the code l of the phase 2 pi l/L that is nearest to that of a drive, for L = `levels`; 0 for a drive of 0.
+pub(crate) fn nearest_code(q: Complex32, levels: usize) -> u16 {
+    (round(phase(q) / TAU * levels as f64) as usize % levels) as u16
 }
 
 /// The bounds of tracks at the first and the last frame.

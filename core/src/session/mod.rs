@@ -4,12 +4,14 @@ pub(crate) mod batch;
 pub(crate) mod follow;
 pub(crate) mod judging;
 pub(crate) mod moving;
+pub(crate) mod moving_solver;
 pub(crate) mod parts;
 pub(crate) mod worker;
 
 pub use batch::Batch;
 pub use follow::Frames;
-pub use moving::{Moving, Pace, look, meant, sight};
+pub use moving::{FOLLOWER, Moving, Pace, Pull, Trajectory, meant, sight};
+pub use moving_solver::{MovingSolver, Played};
 pub use worker::SolveRequest;
 
 use alloc::format;

@@ -1,6 +1,8 @@
 //! Moving: frames of points that move, the rules for what a request leaves out, and their solve one after another.
 
 use alloc::format;
+use alloc::string::String;
+use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 use core::ops::Range;
@@ -8,14 +10,20 @@ use core::ops::Range;
 use num_complex::Complex32;
 
 use crate::control::Control;
-use crate::error::{Error, real};
+use crate::device::quantization::{Quantization, steps_within};
+use crate::error::{Error, ErrorCode, Notice, real};
 use crate::kernels::InstructionSet;
+use crate::math::{ceil, rint};
 use crate::points::{Path, PathFrames};
 use crate::problem::Problem;
 use crate::propagation::Model;
-use crate::scene::{Aim, Choice, Options, Scene, Signature, Value};
+use crate::propagation::forces::rest::poised;
+use crate::scene::{Aim, Choice, Options, Scene, Signature, Value, figures};
+use crate::sequence::horizon::PHASES;
 use crate::session::{Frames, Session, SolveRequest};
 use crate::solvers::registry;
+use crate::solvers::remark::Remark;
+use crate::vec3::Vec3;
 
 /// Time in s, to each side, over which the acceleration of points is averaged. A bead oscillates much more slowly.
 const LOOK: f64 = 0.5e-3;
@@ -24,12 +32,21 @@ const LOOK: f64 = 0.5e-3;
 const CHANGE: f64 = PI / 16.0;
 
 /// The solver of a motion that names none.
-const FOLLOWER: &str = "glide";
+pub const FOLLOWER: &str = "glide";
+
+/// The largest number of frames that are examined for the speed of points.
+const LOOKED: usize = 200;
+
+/// Accelerations below this, in m/s^2, are possible for any trap.
+const SLIGHT: f64 = 1.0;
+
+/// Time in s over which the acceleration of a trap is averaged, to each side, before it is compared with the trap's forces.
+const WHILE: f64 = 3e-3;
 
 /// Frames of moving points with all that their solve needs.
 ///
 /// ```
-/// use midair::{Array, Complex32, Control, InstructionSet, Medium, Moving, Pace, Request, Scene};
+/// use midair::{Array, Complex32, Control, InstructionSet, Medium, Moving, Pace, Request, Scene, Trajectory};
 /// use midair::points::{Curve, Path, Run};
 ///
 /// let circle = Curve::circle([0.0, 0.0, 0.15], 0.01, [0.0, 0.0, 1.0], 0.0)?;
@@ -37,7 +54,8 @@ const FOLLOWER: &str = "glide";
 /// let start = vec![path.at(0.0, 0).place];
 /// let scene = Scene::new(Array::grid(16, 16, 10e-3)?, Medium::default(), start, Request::default())?;
 /// let set = InstructionSet::best();
-/// let moving = Moving::new(scene, &path, Pace { rate: 1e3, ..Pace::default() }, set)?;
+/// let pace = Pace { rate: 1e3, ..Pace::default() };
+/// let moving = Moving::new(scene, Trajectory::of(&path, pace.rate)?, pace, Some(0), set)?;
 /// let mut session = moving.session(set)?;
 /// let mut drives = vec![Complex32::ZERO; moving.frames() * 256];
 /// session.follow_moving(&moving, 0..moving.frames(), &mut drives, &mut Control::none())?;
@@ -59,8 +77,42 @@ pub struct Moving {
     pub stiff: bool,
     /// Frames per second.
     pub rate: f64,
+    /// The largest change of a phase in rad per frame.
+    pub change: f64,
     /// Whether the last frame continues to the first.
     pub closed: bool,
+    /// The number of later frames that each frame is solved with; `None` for all.
+    pub ahead: Option<usize>,
+    pace: Pace,
+}
+
+/// Frames of points before their targets are known in Pa.
+#[derive(Clone, Debug, Default)]
+#[allow(clippy::exhaustive_structs, reason = "what a caller has: frames of a path, or its own")]
+pub struct Trajectory {
+    /// Points (T, M) in m.
+    pub points: Vec<[f64; 3]>,
+    /// The number of points M in a frame.
+    pub count: usize,
+    /// Targets (T, M): in Pa, or factors from 0 to 1 of the level that the array reaches. `None` for points alone.
+    pub targets: Option<Vec<f64>>,
+    /// Whether the targets are in Pa.
+    pub pascals: bool,
+    /// Whether the end of the path joins its start. `None` for frames that are no path: they may be closed all the same.
+    pub joined: Option<bool>,
+}
+
+impl Trajectory {
+    /// Returns the frames of a path.
+    ///
+    /// # Errors
+    /// The errors of [`Path::frames`].
+    pub fn of(path: &Path, rate: f64) -> Result<Self, Error> {
+        let PathFrames { points, targets } = path.frames(rate)?;
+        let plain = !path.pascals() && targets.iter().all(|&target| target == 1.0);
+        let targets = (!plain).then_some(targets);
+        Ok(Self { points, count: path.points(), targets, pascals: path.pascals(), joined: Some(path.closed()) })
+    }
 }
 
 /// How fast frames follow one another, and phases may change.
@@ -101,45 +153,278 @@ impl Pace {
     pub fn fits(&self, path: &Path) -> Result<(), Error> {
         path.count(self.rate)?;
         real("tau", self.tau.unwrap_or_default(), 0.0, false)?;
-        if self.closed == Some(true) && !path.closed() {
-            return Err(Error::invalid("closed", true, "the path's end is not its start, leave it out"));
-        }
-        Ok(())
+        self.closes(Some(path.closed())).map(|_| ())
     }
-}
 
-impl Moving {
-    /// Returns the frames of a path at a pace. The scene has the path's points at its start, and the solver; without one,
-    /// `glide` follows the points.
+    /// Returns whether the last frame continues to the first. `joined` is that of a [`Trajectory`].
     ///
     /// # Errors
-    /// The errors of [`Pace::fits`], [`Pace::bound`] and [`Problem::reach`]; options that the solver does not have.
-    pub fn new(mut scene: Scene, path: &Path, pace: Pace, set: InstructionSet) -> Result<Self, Error> {
-        pace.fits(path)?;
-        let PathFrames { points, mut targets } = path.frames(pace.rate)?;
-        let plain = !path.pascals() && targets.iter().all(|&target| target == 1.0);
-        let mut choice = scene.solver.take().map_or_else(|| Choice::new(FOLLOWER.into(), Options::new()), Ok)?;
-        let (aim, stiff) = meant(plain, choice.aim, scene.signature());
-        if !path.pascals() {
-            let control = &mut Control::none();
-            let level = Problem::of_scene(&scene, set, control)?.reach(control)?.level;
-            targets.iter_mut().zip(level.iter().cycle()).for_each(|(target, level)| *target *= level);
+    /// `closed` for a path that is not.
+    pub fn closes(&self, joined: Option<bool>) -> Result<bool, Error> {
+        if self.closed == Some(true) && joined == Some(false) {
+            return Err(Error::invalid("closed", true, "the path's end is not its start, leave it out"));
         }
-        let entry = registry::find(&choice.name)?;
-        let options = entry.options();
-        for (key, value) in [("change", Some(pace.bound()?)), ("rate", Some(pace.rate)), ("tau", pace.tau)] {
+        Ok(self.closed.or(joined).unwrap_or(false))
+    }
+
+    /// Returns a choice with the bound, the rate and the time constant, as far as its solver has such options.
+    ///
+    /// # Errors
+    /// An unknown solver, the errors of [`Pace::bound`], a time constant for a solver without one.
+    pub fn followed(&self, mut choice: Choice) -> Result<Choice, Error> {
+        let options = registry::find(&choice.name)?.options();
+        for (key, value) in [("change", Some(self.bound()?)), ("rate", Some(self.rate)), ("tau", self.tau)] {
             let Some(value) = value else { continue };
             if options.iter().any(|option| option.name == key) {
                 choice.options.entry(key.into()).or_insert(Value::Real(value));
             } else if key == "tau" {
                 let cure = format!("{} takes no account of it, leave it out or use {FOLLOWER}", choice.name);
-                return Err(Error::invalid(key, value, cure));
+                return Err(Error::invalid(key, format_args!("{value:?}"), cure));
             }
         }
-        choice.aim = entry.info.uses_aim.then_some(aim);
+        Ok(choice)
+    }
+
+    /// Checks what cannot be combined with later frames: they are solved without a solver of a name.
+    ///
+    /// # Errors
+    /// Another solver than the default one, options, a time constant.
+    pub fn together(&self, choice: &Choice) -> Result<(), Error> {
+        if choice.name != FOLLOWER {
+            let (name, cure) =
+                (format!("\"{}\"", choice.name), "with ahead the tracks are found by themselves, leave it out");
+            return Err(Error::invalid("solver", name, cure));
+        }
+        if let Some(tau) = self.tau {
+            let cure = "with ahead the tracks take no account of it: leave out tau, or ahead";
+            return Err(Error::invalid("tau", format_args!("{tau:?}"), cure));
+        }
+        let balance = choice.balance.map(|_| "balance");
+        match choice.options.keys().map(String::as_str).chain(balance).min() {
+            None => Ok(()),
+            Some(key) => Err(Error::conflict(key, "given", "with ahead there is no such option, leave it out")),
+        }
+    }
+
+    /// Returns a warning about a bound that binds nothing.
+    #[must_use]
+    pub fn doubt(&self) -> Option<Notice> {
+        let change = self.change.filter(|&change| change > PI)?;
+        let cure = format!("give {} if degrees are meant, pi for no bound", figures(change.to_radians(), 3));
+        let value = format!("{} rad, and above pi binds nothing", figures(change, 6));
+        Some(Notice::new(ErrorCode::Doubtful, "change", value, cure))
+    }
+}
+
+impl Moving {
+    /// Returns the frames of a trajectory at a pace. The scene has its points at the start, and the solver; without one, `glide`
+    /// follows the points. `ahead` is the result of [`sight`].
+    ///
+    /// # Errors
+    /// The errors of [`Pace::closes`], [`Pace::followed`], [`Pace::together`] and [`Problem::reach`].
+    pub fn new(
+        mut scene: Scene,
+        frames: Trajectory,
+        pace: Pace,
+        ahead: Option<usize>,
+        set: InstructionSet,
+    ) -> Result<Self, Error> {
+        let closed = pace.closes(frames.joined)?;
+        let Trajectory { points, targets, pascals, .. } = frames;
+        let mut choice = scene.solver.take().map_or_else(|| Choice::new(FOLLOWER.into(), Options::new()), Ok)?;
+        let (aim, stiff) = meant(targets.is_none(), choice.aim, scene.signature());
+        let mut targets = targets.unwrap_or_else(|| vec![1.0; points.len()]);
+        if !pascals {
+            let control = &mut Control::none();
+            let level = Problem::of_scene(&scene, set, control)?.reach(control)?.level;
+            targets.iter_mut().zip(level.iter().cycle()).for_each(|(target, level)| *target *= level);
+        }
+        let change = pace.bound()?;
+        if ahead == Some(0) {
+            choice = pace.followed(choice)?;
+        } else {
+            pace.together(&choice)?;
+        }
+        choice.aim = registry::find(&choice.name)?.info.uses_aim.then_some(aim);
         scene.solver = Some(choice);
-        let closed = pace.closed.unwrap_or(path.closed());
-        Ok(Self { scene, points, targets, aim, stiff, rate: pace.rate, closed })
+        Ok(Self { scene, points, targets, aim, stiff, rate: pace.rate, change, closed, ahead, pace })
+    }
+
+    /// Returns the same frames for another array in `scene`, such as one with the phases of a board.
+    #[must_use]
+    pub fn played_on(mut self, mut scene: Scene) -> Self {
+        scene.solver = self.scene.solver.take();
+        Self { scene, ..self }
+    }
+
+    /// The board on which the frames are played. Frames that are solved together need phases: 256 if the array has none.
+    #[must_use]
+    pub fn board(&self) -> Option<Quantization> {
+        let board = self.scene.array().quantization().filter(|board| !board.is_continuous()).cloned();
+        if self.ahead == Some(0) || board.as_ref().is_some_and(|board| board.phases().is_some()) {
+            return board;
+        }
+        Quantization::new(Some(PHASES), board.and_then(|board| board.amplitudes().map(<[f64]>::to_vec))).ok()
+    }
+
+    /// Whether all drives have full amplitude.
+    #[must_use]
+    pub fn is_full(&self) -> bool {
+        let sounds = |targets: &[f64]| targets.iter().any(|&target| target > 0.0);
+        self.aim == Aim::Max && self.targets.chunks(self.count()).all(sounds)
+    }
+
+    /// Returns probable mistakes: pressures that change although the highest are asked for, points that are faster than the bound
+    /// allows, a bound that binds nothing or is below a step of the board's phases. The solver of single frames reports the last itself.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<Notice> {
+        let phases = self.board().and_then(|board| board.phases()).filter(|_| self.ahead != Some(0));
+        let still = phases.and_then(|phases| Remark::still_on(self.change, phases));
+        let still = still.map(|remark| remark.notice());
+        [self.swelling(), self.pace.doubt(), self.too_fast(), still].into_iter().flatten().collect()
+    }
+
+    /// Warns if the sum of the targets changes, over frames with all points present.
+    fn swelling(&self) -> Option<Notice> {
+        let all = self.targets.chunks(self.count()).filter(|targets| targets.iter().all(|&target| target > 0.0));
+        let sums = all.map(|targets| targets.iter().sum::<f64>());
+        let (least, most) = sums.fold((f64::INFINITY, 0.0_f64), |(least, most), sum| (least.min(sum), most.max(sum)));
+        (self.aim == Aim::Max && most > 1.01 * least).then(|| {
+            let value = "\"max\", but pressures change between frames";
+            Notice::new(ErrorCode::Doubtful, "aim", value, "leave it out, it plays each frame in full")
+        })
+    }
+
+    /// Warns of points that move faster than a focus can follow within the bound (docs/motion.md).
+    ///
+    /// On a board's grid the bound is a whole number of phase steps; if none fits, the solver reports that. Let a focus move by d
+    /// along e between two frames, and let `u_i` be the direction from transducer i to the focus. The phase of transducer i changes
+    /// by k d (`u_i` . e). A common phase of all transducers is free, so half the spread of k d (`u_i` . e) is needed.
+    fn too_fast(&self) -> Option<Notice> {
+        let entry = self.scene.solver.as_ref().and_then(|choice| registry::find(&choice.name).ok())?;
+        if self.change > PI || !entry.options().iter().any(|option| option.name == "change") {
+            return None;
+        }
+        let (needed, speed) = self.needed();
+        let phases = self.board().and_then(|board| board.phases());
+        let step = phases.map(|phases| 2.0 * PI / f64::from(phases));
+        let allowed = match (phases, step) {
+            (Some(phases), Some(step)) => step * steps_within(self.change, phases),
+            _ => self.change,
+        };
+        if needed <= allowed * (1.0 + 1e-9) || (allowed == 0.0 && self.change > 0.0) {
+            return None;
+        }
+        let (item, needs) = (format!("{} m/s", figures(speed, 3)), format!("{} rad a frame", figures(needed, 2)));
+        if allowed == 0.0 {
+            let cure = format!("{item} needs {needs}, give as much, or pi for no bound");
+            return Some(Notice::new(ErrorCode::Doubtful, "change", "0, and no phase changes", cure));
+        }
+        let faster = ceil(self.rate * needed / allowed / 100.0) / 10.0;
+        let wanted = step.map_or(needed, |step| step * ceil(needed / step));
+        let wider = if wanted <= PI { format!(" or pi/{}", (PI / wanted) as u32) } else { Default::default() };
+        let whole = phases.filter(|_| allowed < self.change * (1.0 - 1e-9));
+        let whole = whole.map_or_else(Default::default, |phases| format!(" in whole steps of {phases} phases"));
+        let value = format!("{needs}, {} allowed{whole}", figures(allowed, 3));
+        let cure = format!("the level falls; {} kHz{wider} would do", figures(faster, 6));
+        Some(Notice::new(ErrorCode::Doubtful, item, value, cure).verb("needs"))
+    }
+
+    /// Returns the largest bound in rad that any point needs, over some frames, and the speed of this point in m/s.
+    fn needed(&self) -> (f64, f64) {
+        let (frames, count, medium) = (self.frames(), self.count(), self.scene.medium());
+        let wavenumber = 2.0 * PI / medium.wavelength();
+        let steps = (usize::from(!self.closed)..frames).step_by(((frames - 1) / LOOKED).max(1));
+        let (mut most, mut speed) = (0.0, 0.0);
+        for (t, before) in steps.map(|t| (t, t.checked_sub(1).unwrap_or(frames - 1))) {
+            let both = (0..count).map(|j| [t * count + j, before * count + j]);
+            for [now, before] in both.filter(|both| both.iter().all(|&k| self.targets[k] > 0.0)) {
+                let moved = Vec3(self.points[now]) - Vec3(self.points[before]);
+                let along = self.scene.array().positions().iter().map(|&place| {
+                    let ray = Vec3(self.points[now]) - Vec3(place);
+                    ray.dot(moved) / ray.norm().max(1e-9)
+                });
+                let least_most = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);
+                let spread = wavenumber * (least_most[1] - least_most[0]) / 2.0;
+                if spread > most {
+                    (most, speed) = (spread, moved.norm() * self.rate);
+                }
+            }
+        }
+        (most, speed)
+    }
+
+    /// Returns where each trap has to accelerate its bead the most, without those of slight accelerations.
+    #[must_use]
+    pub fn pulls(&self) -> Vec<Pull> {
+        let (frames, count) = (self.frames(), self.count());
+        let apart = (rint(WHILE * self.rate) as usize).max(1);
+        if self.scene.signature().is_none() || frames <= 2 * apart {
+            return Vec::new();
+        }
+        let times = if self.closed { 0..frames } else { apart..frames - apart };
+        let far = self.rate / apart as f64;
+        let of = |point: usize| {
+            let pull = |frame: usize| {
+                let at = |frame: usize| Vec3(self.points[frame % frames * count + point]);
+                let [before, now, after] = [at(frame + frames - apart), at(frame), at(frame + apart)];
+                let there = self.targets[frame * count + point] > 0.0;
+                let acceleration = (far * far) * (before - 2.0 * now + after);
+                let size = if there { acceleration.norm() } else { 0.0 };
+                (
+                    size,
+                    Pull { point, frame, velocity: ((far / 2.0) * (after - before)).0, acceleration: acceleration.0 },
+                )
+            };
+            let most = times.clone().map(pull).reduce(|most, other| if other.0 > most.0 { other } else { most });
+            most.filter(|most| most.0 >= SLIGHT).map(|most| most.1)
+        };
+        (0..count).filter_map(of).collect()
+    }
+
+    /// Returns a warning if the trap of a pull cannot give its bead the force, with the frame's drive (N,).
+    ///
+    /// # Errors
+    /// The errors of [`poised`].
+    pub fn strained(
+        &self,
+        pull: &Pull,
+        model: &Model,
+        drive: &[Complex32],
+        control: &mut Control,
+    ) -> Result<Option<Notice>, Error> {
+        let &Pull { point, frame, velocity, acceleration } = pull;
+        let (bead, place) = (self.scene.bead(), self.points[frame * self.count() + point]);
+        let force = bead.particle.needed(self.scene.medium(), velocity, acceleration);
+        if poised(model, drive, place, bead, force, control)?.is_some() {
+            return Ok(None);
+        }
+        let size = figures(Vec3(acceleration).norm(), 3);
+        let radius = figures(1e3 * bead.particle.radius, 3);
+        let value = format!("{size} m/s^2 in frame {frame}, more than its trap can give a bead of {radius} mm radius");
+        let (item, cure) = (format!("point {}", point + 1), "go slower, or by midair.path.fastest");
+        Ok(Some(Notice::new(ErrorCode::Doubtful, item, value, cure).verb("takes")))
+    }
+
+    /// Returns the first warning of [`Moving::strained`] about pulls in a range of frames, with its drives (frames, N).
+    ///
+    /// # Errors
+    /// The errors of [`poised`].
+    pub fn strain(
+        &self,
+        range: Range<usize>,
+        drives: &[Complex32],
+        model: &Model,
+        control: &mut Control,
+    ) -> Result<Option<Notice>, Error> {
+        let transducers = model.array().len();
+        for pull in self.pulls().iter().filter(|pull| range.contains(&pull.frame)) {
+            let drive = &drives[(pull.frame - range.start) * transducers..][..transducers];
+            if let Some(doubt) = self.strained(pull, model, drive, control)? {
+                return Ok(Some(doubt));
+            }
+        }
+        Ok(None)
     }
 
     /// The number of frames T.
@@ -161,6 +446,20 @@ impl Moving {
     pub fn session(&self, set: InstructionSet) -> Result<Session, Error> {
         Session::chosen(Model::of(&self.scene, set), self.scene.solver.as_ref())
     }
+}
+
+/// The largest acceleration of a bead in the trap of a point.
+#[derive(Clone, Copy, Debug)]
+#[allow(clippy::exhaustive_structs, reason = "a place in a motion, and how a bead moves there")]
+pub struct Pull {
+    /// The number of the point.
+    pub point: usize,
+    /// The number of the frame.
+    pub frame: usize,
+    /// The bead's velocity in m/s.
+    pub velocity: [f64; 3],
+    /// The bead's acceleration in m/s^2.
+    pub acceleration: [f64; 3],
 }
 
 impl Session {
@@ -233,6 +532,6 @@ pub fn sight(ahead: Option<&Value>, closed: bool) -> Result<Option<usize>, Error
 
 /// Returns the number of frames on each side from which the acceleration of points is computed.
 #[must_use]
-pub fn look(rate: f64) -> usize {
-    (crate::math::rint(LOOK * rate) as usize).max(1)
+pub(crate) fn look(rate: f64) -> usize {
+    (rint(LOOK * rate) as usize).max(1)
 }

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use midair::files::{Drawing, Format, Source, open, read_motion};
-use midair::{Aim, Complex32, Control, Error, InstructionSet, Moving};
+use midair::{Aim, Complex32, Control, Error, InstructionSet, Model, Moving};
 use serde_json::{Value, json};
 
 /// For each motion: name, board, document without the paths, paths.
@@ -212,4 +212,38 @@ fn frames_of_a_table_or_of_numpy_are_read() -> Result<(), Error> {
     assert!(refused("rate = 100\nfile = 'a.csv'", None).contains("has no folder to find files in"));
     fs::remove_dir_all(&folder).expect("removed");
     Ok(())
+}
+
+#[test]
+fn points_and_traps_that_are_too_fast_are_reported() {
+    let warned = |paths: Value, aim: &str, signature: bool| {
+        let mut document = json!({
+            "array": {"grid": {"nx": 8, "ny": 8, "pitch": 0.01}, "quantization": {"phases": 256}},
+            "solver": {"name": "glide", "aim": aim}, "motion": {"rate": 2000, "path": paths},
+        });
+        if signature {
+            document["signature"] = "trap".into();
+        }
+        let text = document.to_string();
+        let opened = open(text.as_bytes(), Format::Json, Source::default(), SCALAR).expect("a motion");
+        let moving = opened.1.expect("frames");
+        let (model, frames) = (Model::of(&moving.scene, SCALAR), moving.frames());
+        let mut drives = vec![Complex32::ZERO; frames * 64];
+        let mut session = moving.session(SCALAR).expect("a session");
+        session.follow_moving(&moving, 0..frames, &mut drives, &mut Control::none()).expect("drives");
+        let strain = moving.strain(0..frames, &drives, &model, &mut Control::none()).expect("a judgement");
+        moving.doubts().into_iter().chain(strain).map(|doubt| doubt.to_string()).collect::<Vec<_>>()
+    };
+    let line =
+        |speed: f64| json!([{"kind": "line", "start": [-0.01, 0, 0.12], "end": [0.01, 0, 0.12], "speed": speed}]);
+    let text = "2 m/s needs 0.21 rad a frame, 0.196 allowed: the level falls; 2.2 kHz or pi/14 would do";
+    assert_eq!(warned(line(2.0), "max", false), [text]);
+    assert_eq!(warned(line(1.0), "max", false), [""; 0]);
+    let circle = json!([{"kind": "circle", "center": [0, 0, 0.12], "radius": 0.02, "frequency": 30}]);
+    let trap = "point 1 takes 692 m/s^2 in frame 50, more than its trap can give a bead of 1 mm radius: go slower, or by \
+                midair.path.fastest";
+    assert_eq!(warned(circle, "max", true).last().map(String::as_str), Some(trap));
+    let am = json!([{"kind": "still", "places": [[0, 0, 0.12]], "duration": 0.01, "am": {"frequency": 200}}]);
+    let aim = "aim is \"max\", but pressures change between frames: leave it out, it plays each frame in full";
+    assert_eq!(warned(am, "max", false), [aim]);
 }

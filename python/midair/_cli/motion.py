@@ -6,10 +6,9 @@ import json as json_text
 from pathlib import Path
 
 from .. import Sequence
-from .._midair import stated
+from .._midair import solver_name, stated
 from .._sequence.animation import ENDINGS
 from .._sequence.document import Document, read
-from .._sequence.request import solver_name
 from .._sequence.store import Output
 from .._support import output
 from .._support.text import counted

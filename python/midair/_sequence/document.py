@@ -8,6 +8,7 @@ from typing import Any
 
 from .._midair import Array, Motion, SceneError, solver_name
 from .._support.arguments import existing
+from .frames import air_of
 from .sequence import Sequence
 from .solve import sequence
 
@@ -36,10 +37,7 @@ class Document:
         """
         scene, name = self.motion.scene, self.solver if solver is None else solver_name(solver)
         options = scene.solver[1] if scene.solver and name == self.solver else {}
-        air = {**scene.medium, "obstacles": scene.obstacles, "bead": scene.bead}
-        if scene.signature is not None:
-            air["signature"] = scene.signature
-        given = {**self.motion.settings, **air, **options, **keywords}
+        given = {**self.motion.settings, **air_of(scene), **options, **keywords}
         try:
             return sequence(scene.array if array is None else array, self.motion.path, name, **given)
         except SceneError as error:

@@ -84,12 +84,6 @@ class Drives:
         return turned
 
 
-def coded(drives: NDArray[np.complex64], phases: int) -> NDArray[Any]:
-    """Return the codes of a board's nearest phases for drives of full amplitude, 0 where a drive is 0."""
-    codes = np.rint(np.angle(drives) * (phases / (2 * np.pi))).astype(np.int32) % phases
-    return narrow(codes, phases)
-
-
 def narrow(codes: NDArray[Any], phases: int) -> NDArray[Any]:
     """Return codes as uint8 if they fit, else as uint16."""
     small: NDArray[Any] = codes.astype(np.uint8 if phases <= 256 else np.uint16)

@@ -82,11 +82,5 @@ def load(path: str | PathLike[str]) -> dict[str, Any]:
     kept["drives"] = arrays(path, ["drives"])["drives"] if stored is None else stored
     scene: Scene = Scene.parse(str(kept.pop("scene")))
     setting = dict(json.loads(str(kept.pop("setting"))))
-    return {
-        "array": scene.array,
-        "obstacles": scene.obstacles,
-        "signature": scene.signature,
-        "bead": scene.bead,
-        **kept,
-        **setting,
-    }
+    around = {name: getattr(scene, name) for name in ("array", "obstacles", "signature", "bead")}
+    return {**around, **kept, **setting}

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene, scene_keys
+from .._midair import Array, Moving, Scene, scene_keys
 from .._pictures.notebook import sequence
 from .._support import output
 from .._support.arguments import flag, number, word
@@ -17,6 +17,11 @@ from . import arguments, drives as driven
 
 #: Names of the arguments for the air, for obstacles in it, and for the kind of points.
 AIR = (*scene_keys()["medium"], "obstacles", "signature", "bead")
+
+
+def air_of(scene: Scene) -> dict[str, Any]:
+    """Return the air of a scene, obstacles in it, and the kind of its points, as arguments."""
+    return {**scene.medium, **{name: getattr(scene, name) for name in ("obstacles", "signature", "bead")}}
 
 
 class Frames:
@@ -50,6 +55,17 @@ class Frames:
         self._drives = driven.read(drives, array, (self._quantization or {}).get("phases"))
         arguments.frames("drives", len(self._drives), len(self._points))
         self._scene = Scene(array, self._points[0], **medium)
+
+    @classmethod
+    def solved(cls, moving: Moving, drives: Any) -> Self:
+        """Return the sequence of solved frames, with drives or codes (T, N) of the core."""
+        made = cls.__new__(cls)
+        made._scene, made._points, made._targets = moving.scene, moving.points, moving.targets
+        made._rate, made._closed, made._change = moving.rate, moving.closed, moving.change
+        made._quantization, made._solver = moving.quantization, moving.solver
+        phases = made._quantization["phases"] if drives.dtype.kind == "u" else None
+        made._drives = driven.Drives(drives, driven.sounding(moving.scene.array), phases)
+        return made
 
     @property
     def array(self) -> Array:
@@ -122,10 +138,7 @@ class Frames:
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        around: dict[str, Any] = {
-            name: getattr(self._scene, name) for name in ("obstacles", "signature", "bead")
-        }
-        made = partial(type(self), **around, **self.setting())
+        made = partial(type(self), **air_of(self._scene), **self._setting())
         return made, (self.array, self._points, self._targets, self._drives.kept)
 
     def __repr__(self) -> str:
@@ -158,11 +171,8 @@ class Frames:
 
     def setting(self) -> dict[str, Any]:
         """Return the arguments of an equal sequence, except array, points, targets and drives."""
-        return {**self._setting(), **self._medium()}
+        return {**self._setting(), **self._scene.medium}
 
     def _setting(self) -> dict[str, Any]:
         names = ("rate", "closed", "change", "quantization", "solver")
         return {name: getattr(self, name) for name in names}
-
-    def _medium(self) -> dict[str, Any]:
-        return self._scene.medium

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from fractions import Fraction
 from os import PathLike
 from typing import Any, Literal
@@ -10,14 +12,27 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Solution, Solver, numbers, sight, solvers, stated
-from .._support.arguments import callback, number, refused, whole
-from ..path import Path, still
+from .._midair import (
+    Array,
+    Horizon,
+    Moving,
+    Scene,
+    SceneError,
+    Solution,
+    Solver,
+    bound_of,
+    check_together,
+    numbers,
+    paced,
+    restated,
+    stated,
+)
+from .._support.arguments import callback, flag, number, refused, whole
+from ..path import Path, read, still
+from ..path._frames import changing_pressures
 from . import store
 from .arguments import time_constant
 from .frames import AIR
-from .horizon import Followed, Foreseen, Found, Tracks, board_of, check, numbered, read_frame, streamed
-from .request import Request, bound, request, solver_name, warn_of_pull, warn_of_speed
 from .sequence import Sequence
 
 #: Largest number of frames of a modulated solution: as many as an AUTD3 board can store.
@@ -118,49 +133,51 @@ def sequence(
     (True, True)
     """
     callback(progress, "frames done, frames")
-    solver = solver_name(solver)
-    requested = request(array, path, rate, (change, change_rate), closed, pressures, aim, dict(options))
-    known = sight(ahead, bool(closed))
-    board = requested.board if known == 0 else board_of(requested.board)
-    warn_of_speed(requested, board.get("phases"), solver)
-    if known is None:
-        if resume is not None:
+    frames = read(path, rate, pressures)
+    known = isinstance(path, Path)
+    moving = Moving(
+        array,
+        frames.points,
+        frames.targets,
+        solver,
+        rate=rate,
+        pascals=pressures is not None or (known and path.pascals),
+        joined=frames.closed if known else None,
+        change=change,
+        change_rate=change_rate,
+        tau=tau,
+        closed=None if closed is None else flag("closed", closed),
+        ahead=ahead,
+        aim=aim,
+        **options,
+    )
+    if tau is not None:
+        time_constant(tau)
+    if resume is not None:
+        if moving.ahead is None:
             cure = "all frames are found together, leave it out"
             raise stated("resume", 'is given, but ahead is "all"', cure, code="conflict")
-        tracks = _tracks(requested, solver, tau)
-        codes = tracks.find(requested.points, requested.targets, closed=requested.closed, progress=progress)
-        if requested.stiff and requested.scene.signature == "trap" and len(codes) > 1:
-            codes = tracks.stiffened(
-                requested.points, codes, requested.rate, closed=requested.closed, progress=progress
-            )
-        played = tracks.played(requested.points, requested.targets, codes)
-        return _made(store.sequence_of(requested, played, solver, tracks.board))
-    found: Found = (
-        Foreseen(requested, _tracks(requested, solver, tau), known)
-        if known
-        else Followed(requested, _follower(requested, solver, tau), solver == "glide")
-    )
-    if resume is not None:
-        setting = {
-            "solver": solver,
-            "tau": tau,
-            "aim": requested.aim,
-            "options": requested.options,
-            "ahead": known,
-        }
-        return _made(store.solved(resume, requested, setting, found, BLOCK, progress))
+        own = {name: value for name, value in options.items() if name not in AIR}
+        solved = store.solved(resume, moving, {"tau": tau, "options": own}, BLOCK, progress)
+    else:
+        solved = Sequence.solved(moving, _drives(moving, progress))
+    moving.warn_of_pulls(solved.drive)
+    return solved
+
+
+def _drives(moving: Moving, progress: Callable[[int, int], object] | None) -> NDArray[Any]:
+    """Return drives or codes (T, N) of all frames."""
+    total = len(moving)
+    if moving.ahead is None:
+        step = None if progress is None else lambda step, steps, _: progress(step, steps)
+        return moving.block(0, total, step)
     blocks = []
-    for first in range(0, len(requested.points), BLOCK):
-        blocks.append(found.block(slice(first, first + BLOCK)))
+    for first in range(0, total, BLOCK):
+        stop = min(first + BLOCK, total)
+        blocks.append(moving.block(first, stop))
         if progress is not None:
-            progress(min(first + BLOCK, len(requested.points)), len(requested.points))
-    return _made(store.sequence_of(requested, np.concatenate(blocks), solver, found.board))
-
-
-def _made(sequence: Sequence) -> Sequence:
-    """Return the sequence, after a warning if its traps would lose their beads."""
-    warn_of_pull(sequence)
-    return sequence
+            progress(stop, total)
+    return blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
 
 
 def modulated(
@@ -293,21 +310,68 @@ def stream(
     >>> len(drives), drives[0].shape
     (5, (249,))
     """
-    each, solver = number("rate", rate, above=0), solver_name(solver)
+    each = number("rate", rate, above=0)
     frames = _frames(frames, options)
-    most = bound(each, change, change_rate)
-    if whole("ahead", ahead, least=0):
-        check(solver, tau, aim, options.keys() - set(AIR))
-        return streamed(array, frames, most, ahead, aim, options)
-    return _streamed(_solver(array, solver, each, most, tau, {"aim": aim, **options}), frames)
+    if known := whole("ahead", ahead, least=0):
+        most = bound_of(each, change, change_rate)
+        other = {name: value for name, value in options.items() if name not in (*AIR, "quantization")}
+        check_together(solver, tau, other)
+        return _ahead(array, frames, most, known, aim, options)
+    follower = Solver(array, solver, **{**paced(solver, each, change, change_rate, tau, aim), **options})
+    if tau is not None:
+        time_constant(tau)
+    return _followed(follower, frames)
 
 
-def _streamed(found: Solver, frames: Iterable[Any]) -> Iterator[NDArray[np.complex64]]:
+def _followed(solver: Solver, frames: Iterable[Any]) -> Iterator[NDArray[np.complex64]]:
     for count, frame in enumerate(frames):
-        with numbered(count):
-            points, pressures = read_frame(frame)
-            drive = found.follow(points[None], None if pressures is None else pressures[None])[0]
+        with _numbered(count):
+            points, pressures = _frame(frame)
+            drive = solver.follow(points[None], None if pressures is None else pressures[None])[0]
         yield drive
+
+
+def _ahead(
+    array: Array, frames: Iterable[Any], change: float, ahead: int, aim: str | None, options: dict[str, Any]
+) -> Iterator[NDArray[np.complex64]]:
+    air = {name: options[name] for name in AIR if name in options}
+    horizon = None
+    for count, frame in enumerate(frames):
+        with _numbered(count):
+            points, pressures = _frame(frame)
+            if pressures is None:
+                # Missing pressures are the balanced level of the frame's points.
+                pressures = np.full(len(points), Scene(array, points, **air).reach().level)
+        if horizon is None:
+            # No list is as long as the largest number.
+            horizon = Horizon(Scene(array, points, **options), change, min(ahead, sys.maxsize >> 1), aim)
+        horizon.push(points, pressures)
+        if not horizon.wanted:
+            yield horizon.advance()
+    while horizon is not None and (drive := horizon.advance()) is not None:
+        yield drive
+
+
+@contextmanager
+def _numbered(count: int) -> Iterator[None]:
+    """Name frame number `count` of a stream in errors about it."""
+    try:
+        yield
+    except SceneError as error:
+        place, item = f"frames[{count}]", error.item
+        if item == "frame":
+            raise restated(error, item=place, index=count) from None
+        # A solver counts the frames of one call, which is one frame.
+        raise restated(error, place=place, index=count) from None
+
+
+def _frame(frame: Any) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    """Return points (M, 3) and pressures (M,) or None of a frame of a stream."""
+    given, pressures = frame if isinstance(frame, tuple) and len(frame) == 2 else (frame, None)
+    cure = "give points x 3 numbers in m, and pressures if any as the second of a pair"
+    # The scene checks the coordinates. A copy, because a caller may write the next frame into the same array.
+    points = np.array(numbers("frame", given, [(-1, 3)], cure, copy=False), np.float64)
+    return points, None if pressures is None else changing_pressures(pressures, 1, len(points))[0]
 
 
 def _frames(given: Any, options: dict[str, Any]) -> Iterator[Any]:
@@ -319,33 +383,3 @@ def _frames(given: Any, options: dict[str, Any]) -> Iterator[Any]:
         if name in options:
             raise refused(name, options[name], cure)
     return iter(given)
-
-
-def _tracks(requested: Request, solver: str, tau: float | None) -> Tracks:
-    check(solver, tau, requested.aim, requested.options)
-    board = board_of(requested.board)
-    return Tracks(
-        requested.scene, requested.change, board, lowered=requested.aim == "target", coded=requested.full
-    )
-
-
-def _follower(requested: Request, solver: str, tau: float | None) -> Solver:
-    options = {"aim": requested.aim, **requested.air, **requested.options}
-    return _solver(requested.array, solver, requested.rate, requested.change, tau, options)
-
-
-def _solver(
-    array: Array, solver: str, rate: float, change: float, tau: float | None, options: dict[str, Any]
-) -> Solver:
-    info = solvers().get(solver)
-    known = () if info is None else info.options
-    if tau is not None and info is not None and "tau" not in known:
-        raise refused("tau", tau, f"{solver} takes no account of it, leave it out or use glide")
-    if info is not None and not info.uses_aim:
-        options = {name: value for name, value in options.items() if name != "aim"}
-    own = {"change": change, "tau": tau, "rate": rate}
-    given = {name: value for name, value in own.items() if value is not None and name in known}
-    made = Solver(array, solver, **{**given, **options})
-    if tau is not None:
-        time_constant(tau)
-    return made

@@ -6,7 +6,7 @@ import json
 import re
 import zipfile
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from hashlib import sha256
 from os import PathLike
 from pathlib import Path
@@ -16,13 +16,11 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from .._midair import Scene, stated
+from .._midair import Moving, stated
 from .._support import cache, output
-from .._support.arguments import path_of, refused, without_warnings
+from .._support.arguments import path_of, refused
 from .._support.text import arrays
 from . import files
-from .horizon import Found
-from .request import Request
 from .sequence import Sequence
 
 #: Suffix of the name of the folder.
@@ -46,40 +44,21 @@ class Output(PathLike[str]):
         return str(self.path)
 
 
-def sequence_of(
-    requested: Request, drives: NDArray[Any], solver: str, board: dict[str, Any] | None
-) -> Sequence:
-    """Return the sequence of a request and its drives, without the warnings that were already given."""
-    with without_warnings():
-        return Sequence(
-            requested.array,
-            requested.points,
-            requested.targets,
-            drives,
-            rate=requested.rate,
-            closed=requested.closed,
-            change=requested.change,
-            solver=solver,
-            quantization=board,
-            **requested.air,
-        )
-
-
 def solved(
     path: str | PathLike[str],
-    requested: Request,
+    moving: Moving,
     setting: dict[str, Any],
-    found: Found,
     block: int,
     progress: Callable[[int, int], object] | None,
 ) -> Sequence:
     """Solve the missing frames of a sequence piece by piece, then join the pieces into the file.
 
-    Returns the sequence of a file that already contains the result, and rejects any other file.
+    `setting` has the arguments of the solve that `moving` lacks. Returns the sequence of a file that already
+    contains the result, and rejects any other file.
     """
     target = path_of("resume", path)
     output.check(target, (".npz",))
-    request = _fingerprint(requested, setting, block)
+    request = _fingerprint(moving, setting, block)
     if target.exists():
         if _finished(target) == request:
             return Sequence.load(target)
@@ -87,19 +66,20 @@ def solved(
             cure = "it does not contain the result of this request, give another file or remove it"
             raise refused("resume", target, cure)
     folder = target.with_name(target.name + ENDING)
-    total = len(requested.points)
+    total = len(moving)
     with cache.locked(folder):
         pieces = Pieces(folder, request)
         done = 0
         while done < total and (piece := pieces.load(done)) is not None:
             state, done = piece[1], done + block
         if done:
-            found.restore(min(done, total), state)
+            moving.restore(min(done, total), state)
         for first in range(done, total, block):
-            pieces.save(first, found.block(slice(first, first + block)), found.state())
+            stop = min(first + block, total)
+            pieces.save(first, moving.block(first, stop), moving.state())
             if progress is not None:
-                progress(min(first + block, total), total)
-        _assemble(target, pieces, requested, setting, found.board, block)
+                progress(stop, total)
+        _assemble(target, pieces, moving, block)
         cache.remove(folder, OWN)
     return Sequence.load(target)
 
@@ -112,13 +92,13 @@ def _finished(target: Path) -> str:
         return ""
 
 
-def _fingerprint(requested: Request, setting: dict[str, Any], block: int) -> str:
+def _fingerprint(moving: Moving, setting: dict[str, Any], block: int) -> str:
     """Return a hash of all arguments on which the result depends."""
     digest = sha256()
-    for values in (requested.points, requested.targets):
+    for values in (moving.points, moving.targets):
         digest.update(np.ascontiguousarray(values).tobytes())
-    scene = Scene(requested.array, requested.points[0], **requested.air).json()
-    rest = [scene, requested.rate, requested.change, setting, block]
+    setting = {**setting, "solver": moving.solver, "aim": moving.aim, "ahead": moving.ahead}
+    rest = [moving.scene.json(), moving.rate, moving.change, setting, block]
     digest.update(json.dumps(rest, sort_keys=True, default=repr).encode())
     return digest.hexdigest()
 
@@ -155,26 +135,19 @@ class Pieces:
         return self._folder / f"{first:012d}.npz", f"{self.request}/{first}"
 
 
-def _assemble(
-    target: Path,
-    pieces: Pieces,
-    requested: Request,
-    setting: dict[str, Any],
-    board: dict[str, Any] | None,
-    block: int,
-) -> None:
+def _assemble(target: Path, pieces: Pieces, moving: Moving, block: int) -> None:
     """Write the file as `Sequence.save` does, copying the drives piece by piece."""
-    shape = (len(requested.points), len(requested.array))
-    two = replace(requested, points=requested.points[:2], targets=np.ones(requested.targets[:2].shape))
-    empty = sequence_of(two, np.ones((2, shape[1]), np.complex64), setting["solver"], board)
-    texts = {
-        "scene": empty.scene(0).json(),
-        "setting": output.to_json(empty.setting()),
+    shape = (len(moving), len(moving.scene.array))
+    setting = Sequence.solved(moving, np.empty((0, shape[1]), np.complex64)).setting()
+    small = {
+        "points": moving.points,
+        "targets": moving.targets,
+        "scene": moving.scene.json(),
+        "setting": output.to_json(setting),
         REQUEST: pieces.request,
     }
     with files.whole(target, (".npz",)) as part, zipfile.ZipFile(part, "w", allowZip64=True) as archive:
-        small = {"points": requested.points, "targets": requested.targets}
-        for name, values in {**small, **{name: np.asarray(text) for name, text in texts.items()}}.items():
+        for name, values in small.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as stream:
                 npy.write_array(stream, np.asanyarray(values), allow_pickle=False)
         with archive.open("drives.npy", "w", force_zip64=True) as stream:

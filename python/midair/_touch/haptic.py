@@ -16,6 +16,7 @@ from .._midair import (
     Membrane,
     Scene,
     SceneError,
+    bound_of,
     decibels,
     hand,
     restated,
@@ -25,7 +26,6 @@ from .._midair import (
 from .._sequence import Sequence, sequence
 from .._sequence.arguments import time_constant
 from .._sequence.drives import lowered
-from .._sequence.request import bound
 from .._support.arguments import number, refused, warn, without_warnings, word
 from .._support.text import Facts
 from ..path import Path
@@ -187,7 +187,7 @@ def haptic(
         raise refused(
             "rate", rate, f"give at most {FASTEST:g} frames per second, the time of the search grows with it"
         )
-    most = math.pi if change is None else bound(frames, change, None)
+    most = math.pi if change is None else bound_of(frames, change, None)
     if word("aim", aim) not in ("strong", "even"):
         raise refused("aim", aim, 'give "strong" or "even"')
     reach = number("beside", beside, least=0)

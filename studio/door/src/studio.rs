@@ -3,7 +3,7 @@
 use midair::files::{read_array, read_drive, write_drive};
 use midair::flight::Course;
 use midair::touch::Touch;
-use midair::{Array, Complex32, Control, Error, InstructionSet, Notice, Precision, bound, spl};
+use midair::{Array, Complex32, Control, Error, InstructionSet, Moving, Notice, Precision, bound, spl};
 use serde_json::{Value, json};
 
 use crate::lattices::Lattices;
@@ -64,7 +64,8 @@ impl Studio {
         self.course = None;
         self.drive.clear();
         let opened = self.opened.insert(Opened::read(&self.text_in, toml, set)?);
-        self.text = notices(opened.scene.doubts()).to_string();
+        let moving = opened.moving.iter().flat_map(Moving::doubts);
+        self.text = notices(opened.scene.doubts().into_iter().chain(moving)).to_string();
         Ok(())
     }
 

@@ -29,3 +29,12 @@ fn full_drive_is_lowered_by_the_table_and_what_it_cannot_by_the_scale() {
     assert_eq!(lowered(&[0.0, 1.0], 0.01), (1.0, 0.01));
     assert_eq!(Quantization::new(Some(16), None).unwrap().lowered(0.1), (0.1, 1.0));
 }
+
+#[test]
+fn the_highest_amplitude_that_is_not_above_is_one_of_the_table_or_0() {
+    let board = Quantization::new(None, Some(vec![0.25, 0.5, 1.0])).expect("a board");
+    for (factor, amplitude) in [(0.2, 0.0), (0.25 - 1e-10, 0.25), (0.49, 0.25), (0.5, 0.5), (1.0, 1.0)] {
+        assert_eq!(board.at_most(factor), amplitude, "{factor}");
+    }
+    assert_eq!(Quantization::new(Some(8), None).expect("a board").at_most(0.3), 0.3);
+}
