@@ -322,9 +322,9 @@ impl Moving {
         }
         let faster = ceil(self.rate * needed / allowed / 100.0) / 10.0;
         let wanted = step.map_or(needed, |step| step * ceil(needed / step));
-        let wider = if wanted <= PI { format!(" or pi/{}", (PI / wanted) as u32) } else { Default::default() };
+        let wider = if wanted <= PI { format!(" or pi/{}", (PI / wanted) as u32) } else { String::new() };
         let whole = phases.filter(|_| allowed < self.change * (1.0 - 1e-9));
-        let whole = whole.map_or_else(Default::default, |phases| format!(" in whole steps of {phases} phases"));
+        let whole = whole.map_or_else(String::new, |phases| format!(" in whole steps of {phases} phases"));
         let value = format!("{needs}, {} allowed{whole}", figures(allowed, 3));
         let cure = format!("the level falls; {} kHz{wider} would do", figures(faster, 6));
         Some(Notice::new(ErrorCode::Doubtful, item, value, cure).verb("needs"))

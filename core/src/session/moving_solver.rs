@@ -1,5 +1,6 @@
 //! Moving solver: solves the frames of a motion block after block, one after another or together with later ones.
 
+use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -27,7 +28,7 @@ pub struct MovingSolver {
 /// How frames are solved.
 enum Method {
     /// Each frame from the last one.
-    Follow(Session),
+    Follow(Box<Session>),
     /// Each frame with some later ones; the number of frames that were read.
     Ahead(Horizon, usize),
     /// All frames together.
@@ -53,7 +54,7 @@ impl MovingSolver {
         let moving = moving.into();
         let tracks = |model| Tracks { model, change: moving.change, aim: moving.aim };
         let method = match moving.ahead {
-            Some(0) => Method::Follow(Session::chosen(model, moving.scene.solver.as_ref())?),
+            Some(0) => Method::Follow(Box::new(Session::chosen(model, moving.scene.solver.as_ref())?)),
             Some(ahead) => Method::Ahead(Horizon::new(tracks(model), ahead), 0),
             None => Method::All(tracks(model)),
         };
