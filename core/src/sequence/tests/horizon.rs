@@ -84,7 +84,7 @@ fn no_pressure_is_above_its_target_and_silent_frames_are_silent() {
                 assert!(row.iter().all(|&q| q == Complex32::ZERO));
                 continue;
             }
-            let propagation = tracks.model.propagation(&points[2 * t..2 * t + 1]).expect("a point");
+            let propagation = tracks.model.propagation(&[points[2 * t]]).expect("a point");
             let full = |i: usize| Complex64::from_polar(1.0, TAU * f64::from(codes[64 * t + i]) / f64::from(phases));
             let loud = (0..64).map(|i| propagation.exact(0, i) * full(i)).sum::<Complex64>().norm();
             let most = (30.0 / loud).min(1.0);
