@@ -86,7 +86,7 @@ pub(crate) fn check_together<'py>(
 /// Frames of moving points that are solved block after block.
 #[pyclass(frozen, module = "midair._midair")]
 pub(crate) struct Moving {
-    moving: Arc<midair::Moving>,
+    request: Arc<midair::Moving>,
     /// The scene of the first frame, with the array as it was given.
     #[pyo3(get)]
     scene: Scene,
@@ -171,13 +171,13 @@ impl Moving {
         let moving = py.detach(|| midair::Moving::new(first, frames, pace, ahead, set)).map_err(refused)?;
         let moving = moving.played_on(midair::Scene::clone(&played.inner));
         warn_all(py, moving.doubts())?;
-        let moving = Arc::new(moving);
-        let run = Mutex::new(MovingSolver::new(Arc::clone(&moving), played.model()).map_err(refused)?);
-        Ok(Self { moving, scene, run })
+        let request = Arc::new(moving);
+        let run = Mutex::new(MovingSolver::new(Arc::clone(&request), played.model()).map_err(refused)?);
+        Ok(Self { request, scene, run })
     }
 
     fn __len__(&self) -> usize {
-        self.moving.frames()
+        self.request.frames()
     }
 
     /// Solves the frames `first` to `stop`, which follow those of the last call. Returns drives (K, N), complex64, or codes (K, N),
@@ -192,15 +192,15 @@ impl Moving {
     ) -> PyResult<Bound<'py, PyAny>> {
         let mut guard = self.run()?;
         let (solver, threads) = (&mut *guard, limits::threads(py)?);
-        let together = self.moving.ahead != Some(0);
-        let played = attend(py, progress.filter(|_| self.moving.ahead.is_none()), |mut control| {
+        let together = self.request.ahead != Some(0);
+        let played = attend(py, progress.filter(|_| self.request.ahead.is_none()), |mut control| {
             let control = if together { &mut control.on(threads) } else { &mut control };
             solver.block(first..stop, control)
         })?;
         let remarks: Vec<_> = solver.session().map(|session| session.remarks().collect()).unwrap_or_default();
         drop(guard);
         warn_all(py, remarks)?;
-        let shape = [stop - first, self.moving.scene.array().len()];
+        let shape = [stop - first, self.request.scene.array().len()];
         Ok(match played {
             Played::Drives(drives) => give::table(py, drives, shape)?.into_any(),
             Played::Codes(codes) if codes.iter().all(|&code| code < 256) && self.phases() <= 256 => {
@@ -215,7 +215,7 @@ impl Moving {
         let (mut solver, state) = (self.run()?, PyDict::new(py));
         if let Some(horizon) = solver.horizon() {
             let (codes, decided) = horizon.state();
-            let transducers = self.moving.scene.array().len();
+            let transducers = self.request.scene.array().len();
             state.set_item("codes", give::table(py, codes.to_vec(), [codes.len() / transducers, transducers])?)?;
             state.set_item("decided", decided)?;
         } else if let Some(session) = solver.session()
@@ -248,9 +248,9 @@ impl Moving {
 
     /// Warns if a trap cannot accelerate its bead along the path. `drive` returns the drive (N,) of a frame.
     fn warn_of_pulls(&self, py: Python<'_>, drive: &Bound<'_, PyAny>) -> PyResult<()> {
-        for pull in self.moving.pulls() {
+        for pull in self.request.pulls() {
             let (model, drive) = (self.scene.model(), read::drive("drive", &drive.call1((pull.frame,))?)?);
-            let doubt = attend(py, None, |mut control| self.moving.strained(&pull, &model, &drive, &mut control))?;
+            let doubt = attend(py, None, |mut control| self.request.strained(&pull, &model, &drive, &mut control))?;
             if let Some(doubt) = doubt {
                 return warn(py, doubt);
             }
@@ -261,11 +261,11 @@ impl Moving {
 
 impl Moving {
     fn phases(&self) -> u32 {
-        self.moving.board().and_then(|board| board.phases()).unwrap_or_default()
+        self.request.board().and_then(|board| board.phases()).unwrap_or_default()
     }
 
     fn shape(&self) -> [usize; 2] {
-        [self.moving.frames(), self.moving.count()]
+        [self.request.frames(), self.request.count()]
     }
 }
 
@@ -275,33 +275,33 @@ getters! {
     /// Points (T, M, 3) in m.
     points(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> = {
         let [frames, count] = self.shape();
-        give::list(py, self.moving.points.as_flattened().to_vec()).reshape([frames, count, 3])
+        give::list(py, self.request.points.as_flattened().to_vec()).reshape([frames, count, 3])
     };
 
     /// Targets (T, M) in Pa.
-    targets(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = give::table(py, self.moving.targets.clone(), self.shape());
+    targets(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = give::table(py, self.request.targets.clone(), self.shape());
 
     /// Frames per second.
-    rate(self) -> f64 = self.moving.rate;
+    rate(self) -> f64 = self.request.rate;
 
     /// Largest change of a phase in rad per frame.
-    change(self) -> f64 = self.moving.change;
+    change(self) -> f64 = self.request.change;
 
     /// Whether the last frame continues to the first.
-    closed(self) -> bool = self.moving.closed;
+    closed(self) -> bool = self.request.closed;
 
     /// "target" or "max".
-    aim(self, py) -> PyResult<Bound<'py, PyAny>> = read::option_object(py, &self.moving.aim.show());
+    aim(self, py) -> PyResult<Bound<'py, PyAny>> = read::option_object(py, &self.request.aim.show());
 
     /// Number of later frames that each frame is solved with, None for all.
-    ahead(self) -> Option<usize> = self.moving.ahead;
+    ahead(self) -> Option<usize> = self.request.ahead;
 
     /// Name of the solver.
-    solver(self) -> &str = self.moving.scene.solver.as_ref().map_or("", |choice| &choice.name);
+    solver(self) -> &str = self.request.scene.solver.as_ref().map_or("", |choice| &choice.name);
 
     /// Quantization of the board, None if it plays any drive.
     quantization(self, py) -> PyResult<Option<Bound<'py, PyDict>>> =
-        self.moving.board().map(|board| quantization::object(py, &board)).transpose();
+        self.request.board().map(|board| quantization::object(py, &board)).transpose();
 }
 
 /// Frames of an endless stream that are solved with some later ones.
