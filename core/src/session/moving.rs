@@ -274,7 +274,7 @@ impl Moving {
         self.aim == Aim::Max && self.targets.chunks(self.count()).all(sounds)
     }
 
-    /// Returns probable mistakes: pressures that change although the highest are asked for, points that are faster than the bound
+    /// Returns probable mistakes: pressures that change although the highest are requested, points that are faster than the bound
     /// allows, a bound that binds nothing or is below a step of the board's phases. The solver of single frames reports the last itself.
     #[must_use]
     pub fn doubts(&self) -> Vec<Notice> {
