@@ -20,8 +20,8 @@ DIRECTIVITIES = {name: about for name, (_, _, about) in directivities().items()}
 VALUES = ['"autd3"', '"paper20"', "[1, 2]", '"max"', '"full"', '"all"', "true", "null"]
 VALUES += ["inf", "nan", "-0.0", "1e308", "9223372036854775808"]
 HEAD = {"$schema": "http://json-schema.org/draft-07/schema#"}
-#: Lists of any length, although their example has three numbers.
-FREE = {"array.quantization.amplitudes"}
+#: Lists of any length, although their example has a few numbers.
+FREE = {"array.quantization.amplitudes", "array.channels", "array.pins"}
 #: Keys that take a number or a list of numbers.
 NUMBER_OR_LIST = {"motion.path[].pressures", "motion.path[].size"}
 #: Tables that may occur once or several times.
@@ -63,6 +63,10 @@ def of_key(path: str, example: Any, of_table: Callable[[str], dict[str, Any] | N
     if path == "array.directivity":
         parameter = {"type": "object", "additionalProperties": {"type": "number"}, "maxProperties": 1}
         return {"anyOf": [{"type": "string"}, parameter]}
+    if path == "array.rotation":
+        return several({"type": "array", "items": {"type": "number"}})
+    if path == "array.part":
+        return {"type": "array", "items": {"type": "object"}}
     if path == "signature":
         return several({"type": "string"})
     one, many = of_table(path), of_table(f"{path}[]")

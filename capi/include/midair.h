@@ -176,6 +176,25 @@ midair_result midair_array_new(const double *positions,
                                char *message,
                                size_t message_size);
 
+// Makes a copy of an array that is rotated about the origin, then translated by x, y, z in m. The rotation has numbers: 3 of an
+// axis times the angle in rad, 4 of a quaternion w, x, y, z, or 9 of a matrix, row by row; NULL and 0 for none. translation may
+// be NULL. Air, lobe, responses and board stay.
+midair_result midair_array_moved(const midair_array *from,
+                                 const double *rotation,
+                                 size_t numbers,
+                                 const double *translation,
+                                 midair_array **array,
+                                 char *message,
+                                 size_t message_size);
+
+// Makes one array of the transducers of count arrays, in their order. They must have the same frequency, transducers and phases
+// and amplitudes. The arrays may be freed afterwards.
+midair_result midair_array_join(const midair_array *const *arrays,
+                                size_t count,
+                                midair_array **array,
+                                char *message,
+                                size_t message_size);
+
 // Returns the number of transducers N; 0 for NULL.
 size_t midair_array_count(const midair_array *array);
 
@@ -222,16 +241,18 @@ midair_result midair_solve_scenes(const char *const *scenes,
                                   char *message,
                                   size_t message_size);
 
-// Makes as many boards of this kind, such as "sonicsurface" or "openmpd", as an array of this many transducers needs, in the
-// order of the kind's preset.
+// Makes as many boards of this kind, such as "sonicsurface" or "openmpd", as an array of this many transducers needs. Drives
+// must be in the order of the kind's preset; midair_board_of_session checks this.
 midair_result midair_board_new(const char *name,
                                size_t transducers,
                                midair_board **board,
                                char *message,
                                size_t message_size);
 
-// Makes as many boards of this kind as a session's array needs. Transducers that its option "channels", its preset or its
-// scene wires together share a channel; transducers that its mask switches off have none. The session may be freed afterwards.
+// Makes as many boards of this kind as a session's array needs. The array stands in the order of the boards, moved and turned,
+// or states its pins; otherwise the message names the order that fits. Transducers that its option "channels", its preset or
+// its scene wires together share a channel; transducers that its mask switches off have none. The session may be freed
+// afterwards.
 midair_result midair_board_of_session(const char *name,
                                       midair_session *session,
                                       midair_board **board,
@@ -340,8 +361,9 @@ midair_result midair_session_set_text(midair_session *session,
                                       char *message,
                                       size_t message_size);
 
-// Sets an option to a list: "mask" (N, 1 for on and 0 for off), "response" (N, 2; real and imaginary part), "channels" (N, the
-// channel of each transducer), "bead.gravity" (3, along x, y and z in m/s^2), or an option of the method.
+// Sets an option to a list: "mask" (N, 1 for on and 0 for off), "response" (N, 2; real and imaginary part), "channels" (N,
+// shared channels), "pins" (N, channels of the boards), "bead.gravity" (3, along x, y and z in m/s^2), or an option of the
+// method.
 midair_result midair_session_set_numbers(midair_session *session,
                                          const char *name,
                                          const double *values,

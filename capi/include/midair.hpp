@@ -93,6 +93,24 @@ public:
         return array;
     }
 
+    /// Returns a copy that is rotated about the origin, then translated in m. The rotation has 3 numbers of an axis times the
+    /// angle in rad, 4 of a quaternion w, x, y, z, 9 of a matrix, or none.
+    Array moved(const std::vector<double> &rotation, const Point &translation = {}) const {
+        Array array;
+        array.make(midair_array_moved, get(), rotation.data(), rotation.size(), translation.data());
+        return array;
+    }
+
+    /// Makes one array of several, in their order.
+    static Array join(const std::vector<Array> &parts) {
+        std::vector<const midair_array *> each;
+        for (const Array &part : parts)
+            each.push_back(part.get());
+        Array array;
+        array.make(midair_array_join, each.data(), each.size());
+        return array;
+    }
+
     /// Returns the number of transducers N.
     std::size_t size() const { return midair_array_count(get()); }
 

@@ -2,7 +2,7 @@
 
 use std::ffi::c_char;
 
-use crate::memory::{give, handle, list_or_none, room, text, vectors, write};
+use crate::memory::{give, handle, list, list_or_none, room, text, vectors, write};
 use crate::outcome::{Message, Outcome, outcome};
 
 /// An array of transducers. It never changes: any number of threads may use it at the same time.
@@ -70,6 +70,50 @@ pub unsafe extern "C" fn midair_array_new(
             let positions = vectors("positions", positions, count)?;
             let normals = list_or_none("normals", normals.cast::<[f64; 3]>(), count)?;
             Ok((Array(midair::Array::new(positions.to_vec(), normals.map(<[_]>::to_vec))?), ""))
+        })
+    }
+}
+
+/// Makes a copy of an array that is rotated about the origin, then translated by x, y, z in m. The rotation has numbers: 3 of
+/// an axis times the angle in rad, 4 of a quaternion w, x, y, z, or 9 of a matrix, row by row; NULL and 0 for none. translation
+/// may be NULL. Air, lobe, responses and board stay.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_array_moved(
+    from: Option<&Array>,
+    rotation: *const f64,
+    numbers: usize,
+    translation: *const f64,
+    array: *mut *mut Array,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    // SAFETY: the caller guarantees the lists and array.
+    unsafe {
+        give("array", array, Message { text: message, size: message_size }, || {
+            let from = &handle("from", from)?.0;
+            let rotation = list_or_none("rotation", rotation, numbers)?.unwrap_or_default();
+            let translation =
+                list_or_none("translation", translation.cast::<[f64; 3]>(), 1)?.map_or([0.0; 3], |list| list[0]);
+            Ok((Array(from.moved(&midair::Pose::new(rotation, translation)?)?), ""))
+        })
+    }
+}
+
+/// Makes one array of the transducers of count arrays, in their order. They must have the same frequency, transducers and
+/// phases and amplitudes. The arrays may be freed afterwards.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_array_join(
+    arrays: *const Option<&Array>,
+    count: usize,
+    array: *mut *mut Array,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    // SAFETY: the caller guarantees the list and array.
+    unsafe {
+        give("array", array, Message { text: message, size: message_size }, || {
+            let parts = list("arrays", arrays, count)?.iter().map(|part| Ok(handle("arrays", *part)?.0.clone()));
+            Ok((Array(midair::Array::join(&parts.collect::<Result<Vec<_>, midair::Error>>()?)?), ""))
         })
     }
 }

@@ -76,8 +76,8 @@ impl From<&midair::Board> for Link {
     }
 }
 
-/// Makes as many boards of this kind, such as "sonicsurface" or "openmpd", as an array of this many transducers needs, in the
-/// order of the kind's preset.
+/// Makes as many boards of this kind, such as "sonicsurface" or "openmpd", as an array of this many transducers needs. Drives
+/// must be in the order of the kind's preset; midair_board_of_session checks this.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_board_new(
     name: *const c_char,
@@ -91,8 +91,10 @@ pub unsafe extern "C" fn midair_board_new(
     unsafe { give("board", board, message, || Ok((midair::Board::new(text("board", name)?, transducers)?.into(), ""))) }
 }
 
-/// Makes as many boards of this kind as a session's array needs. Transducers that its option "channels", its preset or its
-/// scene wires together share a channel; transducers that its mask switches off have none. The session may be freed afterwards.
+/// Makes as many boards of this kind as a session's array needs. The array stands in the order of the boards, moved and turned,
+/// or states its pins; otherwise the message names the order that fits. Transducers that its option "channels", its preset or
+/// its scene wires together share a channel; transducers that its mask switches off have none. The session may be freed
+/// afterwards.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_board_of_session(
     name: *const c_char,

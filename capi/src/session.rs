@@ -197,8 +197,9 @@ pub unsafe extern "C" fn midair_session_set_text(
     })
 }
 
-/// Sets an option to a list: "mask" (N, 1 for on and 0 for off), "response" (N, 2; real and imaginary part), "channels" (N, the
-/// channel of each transducer), "bead.gravity" (3, along x, y and z in m/s^2), or an option of the method.
+/// Sets an option to a list: "mask" (N, 1 for on and 0 for off), "response" (N, 2; real and imaginary part), "channels" (N,
+/// shared channels), "pins" (N, channels of the boards), "bead.gravity" (3, along x, y and z in m/s^2), or an option of the
+/// method.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_set_numbers(
     session: *mut Session,

@@ -101,7 +101,7 @@ pub use propagation::{Boundary, FieldMatrix, Model, Propagation, field};
 pub use rng::Rng;
 pub use scene::{
     Aim, Array, Axis, Bead, Body, Choice, Directivity, Extras, Key, Medium, Mesh, Obstacle, OptionValue, Options,
-    Origin, Parameter, Part, PartKind, PartValue, Particle, Plane, Request, Scene, Signature, Start, Surface,
+    Origin, Parameter, Part, PartKind, PartValue, Particle, Plane, Pose, Request, Scene, Signature, Start, Surface,
     Transducer, Value, presets, spell, spl, word,
 };
 pub use session::{

@@ -159,6 +159,50 @@ test("bytes for a board, and its silence", () => {
   const [frame, silence] = [scene.encode("sonicsurface"), scene.silence("sonicsurface")];
   assert.ok(frame instanceof Uint8Array && frame.length > 256 && silence.length > 0);
   assert.throws(() => scene.encode("sonicsurfaces"), /sonicsurface/);
+  for (const other of ["openmpd", "autd3", "mega64"]) assert.throws(() => scene.encode(other), /^Error: (array|transducers) /);
+  scene.free();
+});
+
+test("an array in another order than its board is refused, and plays by its pins", () => {
+  const places = [...Array(16).keys()].map((i) => [0.01 * (Math.floor(i / 4) - 1.5), 0.01 * ((i % 4) - 1.5), 0]);
+  const points = [{ position: [0, 0, 0.05] }];
+  const mixed = midair.open({ array: { positions: places }, points });
+  mixed.solve();
+  assert.throws(() => mixed.encode("nano16"), /array is in another order than nano16: .* the order \[0, 4, 8, 12, 1,/);
+  const pins = places.map((_, i) => Math.floor(i / 4) + 4 * (i % 4));
+  const pinned = midair.open({ array: { positions: places, pins }, points });
+  pinned.solve();
+  assert.equal(pinned.encode("nano16").length, 65);
+  mixed.free();
+  pinned.free();
+});
+
+test("two boards at right angles focus where they should", () => {
+  const second = { preset: "autd3", rotation: [0, Math.PI / 2, 0], translation: [-0.12, 0, 0.13] };
+  const focus = [0.02, 0.01, 0.14];
+  const scene = midair.open({ array: { part: [{ preset: "autd3" }, second] }, points: [{ position: focus }], solver: { name: "naive" } });
+  const { drive } = scene.solve();
+  const positions = scene.array();
+  const k = (2 * Math.PI * 40e3) / 346.13;
+  const sum = (x, z) => {
+    let [re, im] = [0, 0];
+    for (let i = 0; i < drive.length / 2; i++) {
+      const r = Math.hypot(x - positions[3 * i], focus[1] - positions[3 * i + 1], z - positions[3 * i + 2]);
+      const [cos, sin] = [Math.cos(k * r) / r, Math.sin(k * r) / r];
+      re += cos * drive[2 * i] - sin * drive[2 * i + 1];
+      im += cos * drive[2 * i + 1] + sin * drive[2 * i];
+    }
+    return Math.hypot(re, im);
+  };
+  let best = [0, 0, 0];
+  for (let i = -20; i <= 20; i++) {
+    for (let j = -20; j <= 20; j++) {
+      const size = sum(focus[0] + 5e-5 * i, focus[2] + 5e-5 * j);
+      if (size > best[0]) best = [size, i, j];
+    }
+  }
+  assert.ok(Math.abs(5e-5 * best[1]) < 1e-4 && Math.abs(5e-5 * best[2]) < 1e-4, `${best}`);
+  assert.equal(scene.encode("autd3").length, 2 * 498);
   scene.free();
 });
 

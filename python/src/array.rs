@@ -4,13 +4,13 @@ use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 use midair::{Directivity, Medium, Origin, PartKind, PartValue, Transducer};
-use numpy::PyArray2;
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::error::{invalid, refused, warn_all};
 use crate::getters::getters;
-use crate::give::rows;
+use crate::give::{list, rows};
 use crate::numbers::quoted;
 use crate::parts::{self, Values};
 use crate::pickle::{Reduced, called, pickled};
@@ -178,10 +178,114 @@ impl Array {
         Self::from(array).with_parts(parts::keywords("Array.preset", parts)?)
     }
 
+    /// Return a copy that is rotated about the origin, then translated.
+    ///
+    /// Air, directivity, responses, order, channels, pins and the phases and amplitudes of the board stay.
+    ///
+    /// Parameters
+    /// ----------
+    /// rotation : (3,), (4,) or (3, 3) array_like, optional
+    ///     Axis times angle in rad; or a quaternion w, x, y, z; or a matrix R.
+    /// translation : (3,) array_like, optional
+    ///     Translation t in m: a place x moves to R x + t.
+    ///
+    /// Returns
+    /// -------
+    /// midair.Array
+    ///     The array.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For a matrix that is no rotation, a quaternion of length 0, other shapes, numbers that are not finite.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import midair
+    /// >>> board = midair.Array.preset("autd3")
+    /// >>> upright = board.moved(rotation=[[0, 0, 1], [0, 1, 0], [-1, 0, 0]], translation=[-0.1, 0, 0.1])
+    /// >>> upright.normals[0]
+    /// array([1., 0., 0.])
+    #[pyo3(signature = (*, rotation=None, translation=None))]
+    fn moved(&self, rotation: Argument<'_, '_>, translation: Argument<'_, '_>) -> PyResult<Self> {
+        Ok(self.inner.moved(&read::pose(rotation, translation)?).map_err(refused)?.into())
+    }
+
+    /// Join several arrays, such as the boards of a rig, to one.
+    ///
+    /// Parameters
+    /// ----------
+    /// parts : sequence of midair.Array
+    ///     Arrays of one frequency, directivity, source pressure and quantization. `moved` puts each in its place.
+    ///
+    /// Returns
+    /// -------
+    /// midair.Array
+    ///     The transducers of all parts in their order, with their responses, masks, channels and pins.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For no part, and for parts that differ in frequency, transducer, quantization or wiring.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import midair
+    /// >>> board = midair.Array.preset("autd3")
+    /// >>> facing = board.moved(rotation=[0, 3.14159265, 0], translation=[0, 0, 0.3])
+    /// >>> rig = midair.Array.join([board, facing])
+    /// >>> len(rig), midair.Board("autd3", rig).boards
+    /// (498, 2)
+    #[staticmethod]
+    fn join(parts: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let Ok(parts) = parts.extract::<Vec<Py<Self>>>() else {
+            return Err(invalid("parts", &quoted(parts), "give a list of arrays"));
+        };
+        let parts: Vec<_> = parts.iter().map(|part| part.get().inner.clone()).collect();
+        Ok(midair::Array::join(&parts).map_err(refused)?.into())
+    }
+
     /// Return the names of the presets; `midair.presets()` describes them.
     #[staticmethod]
     fn presets() -> Vec<&'static str> {
         midair::presets::PRESETS.iter().map(|preset| preset.name).collect()
+    }
+
+    /// Return the channel on a kind of board of each transducer, found by comparing places.
+    ///
+    /// Each board may stand anywhere and be turned. Use it for an array in another order than the board:
+    /// `midair.Board(kind, array, channels=array.channels_by_place(kind))`.
+    ///
+    /// Parameters
+    /// ----------
+    /// kind : str
+    ///     A kind of board, such as "sonicsurface"; `midair boards` lists them.
+    ///
+    /// Returns
+    /// -------
+    /// (N,) ndarray of int
+    ///     The channels; those of a second board follow those of the first.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For an unknown kind, part of a board, and places that differ by more than 3 mm from the board's.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import midair
+    /// >>> board = midair.Array.preset("sonicsurface")
+    /// >>> turned = midair.Array(board.positions.reshape(16, 16, 3).swapaxes(0, 1).reshape(256, 3))
+    /// >>> turned.channels_by_place("sonicsurface")[:3], midair.Board("sonicsurface").channels[:33:16]
+    /// (array([ 0,  4,  8]), array([0, 4, 8]))
+    fn channels_by_place<'py>(&self, py: Python<'py>, kind: &str) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        let channels = self.inner.channels_by_place(kind).map_err(refused)?;
+        Ok(list(py, channels.into_iter().map(|channel| i64::try_from(channel).unwrap_or(i64::MAX)).collect()))
+    }
+
+    /// Checks that a drive of another array may be played on this one.
+    fn _check_drive_of(&self, other: &Self) -> PyResult<()> {
+        self.inner.check_drive_of(&other.inner).map_err(refused)
     }
 
     /// Returns the same array, marked as hardware of a frequency in Hz, or as no hardware.

@@ -31,14 +31,17 @@ impl Codec {
         corrections: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let kind = read::name(name)?;
-        let mut board =
-            array.map_or_else(|| Board::new(&kind, 1), |array| array.inner.board(&kind)).map_err(refused)?;
-        if let Some(channels) = channels {
-            let Ok(channels) = channels.extract() else {
-                return Err(invalid("channels", &crate::numbers::quoted(channels), "give whole numbers (N,)"));
-            };
-            board = board.with_channels(channels).map_err(refused)?;
+        let channels = channels.map(|list| {
+            let cure = "give whole numbers (N,)";
+            list.extract::<Vec<usize>>().map_err(|_| invalid("channels", &crate::numbers::quoted(list), cure))
+        });
+        let channels = channels.transpose()?;
+        let mut board = match (array, channels) {
+            (None, _) => Board::new(&kind, 1),
+            (Some(array), None) => array.inner.board(&kind),
+            (Some(array), Some(channels)) => array.inner.board_on(&kind, channels),
         }
+        .map_err(refused)?;
         if let Some(corrections) = corrections {
             board = board.with_corrections(&read::reals("corrections", corrections)?).map_err(refused)?;
         }

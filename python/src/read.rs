@@ -1,6 +1,6 @@
 //! Reads arguments by their meaning (points, pressures, drives, options) for the core. Errors state the argument's name.
 
-use midair::{Aim, Choice, Complex32, Complex64, Directivity, OptionValue, Options, Request, Start, Value};
+use midair::{Aim, Choice, Complex32, Complex64, Directivity, OptionValue, Options, Pose, Request, Start, Value};
 use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
@@ -37,6 +37,19 @@ pub(crate) fn place(item: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> 
         (Some(place), [3]) => Ok(*place),
         _ => Err(misshapen(item, &shape, cure)),
     }
+}
+
+/// Reads a rotation and a translation.
+pub(crate) fn pose(rotation: Option<&Bound<'_, PyAny>>, translation: Option<&Bound<'_, PyAny>>) -> PyResult<Pose> {
+    let cure = "give (3,), axis times angle in rad, (4,), a quaternion w, x, y, z, or a matrix (3, 3)";
+    let rotation = rotation.map(|value| numbers("rotation", value, REAL, cure)).transpose()?;
+    let numbers = match rotation {
+        None => Vec::new(),
+        Some(Numbers { values, shape }) if matches!(shape[..], [3 | 4] | [3, 3]) => values,
+        Some(Numbers { shape, .. }) => return Err(misshapen("rotation", &shape, cure)),
+    };
+    let translation = translation.map_or(Ok([0.0; 3]), |value| place("translation", value))?;
+    Pose::new(&numbers, translation).map_err(refused)
 }
 
 /// Reads numbers (M,); a single number applies to all M points.

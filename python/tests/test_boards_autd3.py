@@ -16,7 +16,6 @@ from autd3_makers import geometry
 from midair._boards import autd3_commands as commands
 from midair._boards.autd3 import Autd3Transport
 from midair._boards.errors import BoardError
-from midair._boards.layout import autd3_boards
 
 
 def random_poses(rng: np.random.Generator, count: int) -> list[tuple[list[float], np.ndarray]]:
@@ -33,8 +32,8 @@ def random_poses(rng: np.random.Generator, count: int) -> list[tuple[list[float]
 def test_boards_are_known_anywhere_and_turned_anyhow(count: int) -> None:
     rng = np.random.default_rng(count)
     for _ in range(25):
-        assert autd3_boards(boards(*random_poses(rng, count))) == count
-    assert autd3_boards(midair.Array.preset("autd3", tiles=(count, 2))) == 2 * count
+        assert midair.Board("autd3", boards(*random_poses(rng, count))).boards == count
+    assert midair.Board("autd3", midair.Array.preset("autd3", tiles=(count, 2))).boards == 2 * count
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
@@ -73,25 +72,25 @@ FLIPPED = np.tile([0.0, 0, -1], (249, 1))
 REFUSED = {
     "other array": (
         lambda: midair.Array.grid(20, 20, 0.01),
-        "array of 400 transducers is none of AUTD3 boards: each has 249",
+        "array has 400 transducers: each autd3 has 249",
     ),
     "grid of 249": (
         lambda: midair.Array.grid(83, 3, 0.01),
-        "transducers 0 to 248 are no AUTD3 board: transducer ",
+        "mm from its place: give the places and order of autd3, to 3 mm",
     ),
     "one moved": (
-        lambda: moved(300, [2e-5, 0, 0]),
-        "transducers 249 to 497 are no AUTD3 board: transducer 300 lies 0.0199 mm",
+        lambda: moved(300, [3.1e-3, 0, 0]),
+        "array.positions[300] is 3.09 mm from its place",
     ),
     "mirrored": (
         lambda: midair.Array(SITES * [-1e-3, 1e-3, 1e-3]),
-        "transducers 0 to 248 are no AUTD3 board: transducer ",
+        "is where it belongs, but faces another way",
     ),
     "backwards": (
         lambda: midair.Array(SITES * 1e-3, FLIPPED),
-        "transducer 0 faces [0.0, 0.0, -1.0], the board [0.0, 0.0, 1.0]",
+        "is where it belongs, but faces another way",
     ),
-    "other order": (lambda: midair.Array(SITES[::-1] * 1e-3 * [1, -1, 1]), "are no AUTD3 board"),
+    "other order": (lambda: midair.Array(SITES[::-1] * 1e-3 * [1, -1, 1]), "mm from its place"),
 }
 
 
@@ -99,13 +98,13 @@ REFUSED = {
 def test_what_is_no_autd3_board_is_reported(name: str) -> None:
     make, reported = REFUSED[name]
     with pytest.raises(midair.SceneError) as caught:
-        autd3_boards(make())
+        midair.Board("autd3", make())
     assert reported in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
-def test_a_transducer_may_lie_a_hundredth_of_a_millimetre_off() -> None:
-    assert autd3_boards(moved(300, [5e-6, 0, -5e-6])) == 2
+def test_a_transducer_may_lie_3_mm_off() -> None:
+    assert midair.Board("autd3", moved(300, [2e-3, 0, -2e-3])).boards == 2
 
 
 @pytest.mark.parametrize("hz", [0.0625, 1, 37, 137.5, 150, 200, 440.1, 999, 1000])

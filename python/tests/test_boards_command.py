@@ -97,7 +97,7 @@ def test_ctrl_c_turns_off(scene: Path) -> None:
     [
         (["--on", "sonicsurface:loop", "--for", "ten"], '--for is "ten": give a time such as'),
         (["--on", "nano:loop"], "transducers is 256: nano has 1 to 8 channels"),
-        (["--on", "autd3:loop"], "the array has 256 transducers, autd3 249: give a scene of its array"),
+        (["--on", "autd3:loop"], "array has 256 transducers: each autd3 has 249: give whole boards"),
         (["--on", "sonicsurface:/dev/no-such-port"], 'port "/dev/no-such-port" is not there'),
         (["--on", "surface:loop"], "there is no such board"),
         (["--on", "openmpd:loop", "--modulate", "200"], "openmpd cannot modulate"),

@@ -125,14 +125,19 @@ def test_drives_that_are_refused_change_nothing(loop):
 
 def test_a_solution_for_another_array_is_refused(loop):
     other = midair.Array.grid(16, 16, 10e-3)
+    near = midair.Array.grid(16, 16, 10.7e-3)
     solution = midair.solve(midair.Scene(other, [[0, 0, 0.15]]))
-    with pytest.raises(midair.SceneError, match=r"transducer 0 lies 5\.3 mm from the board's: solve"):
+    with pytest.raises(
+        midair.SceneError, match=r"transducer \d+ stands 5\.303 mm from its place on the board"
+    ):
         loop.send(solution)
     solution = midair.solve(midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]]))
-    with pytest.raises(midair.SceneError, match="249 transducers, sonicsurface has 256: solve"):
+    with pytest.raises(midair.SceneError, match="249 transducers, the board has 256: solve"):
         loop.send(solution)
-    with midair.connect("sonicsurface:loop", array=other) as mine:
-        mine.send(midair.solve(midair.Scene(other, [[0, 0, 0.15]])))
+    with pytest.raises(midair.SceneError, match="give the places and order of sonicsurface, to 3 mm"):
+        midair.connect("sonicsurface:loop", array=other)
+    with midair.connect("sonicsurface:loop", array=near) as mine:
+        mine.send(midair.solve(midair.Scene(near, [[0, 0, 0.15]])))
         assert mine.state == "playing"
 
 

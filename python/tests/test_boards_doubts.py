@@ -71,7 +71,7 @@ def test_a_bound_above_half_a_turn_may_be_in_degrees():
 
 
 def test_an_array_of_another_board_gets_the_phases_of_this_one() -> None:
-    foreign = midair.Array.preset("autd3")
+    foreign = midair.Array.preset("sonicsurface", quantization=midair.Array.preset("autd3").quantization)
     with pytest.warns(midair.SceneWarning, match="256 phases, a sonicsurface board 32: board.array has"):
         board = midair.Board("sonicsurface", array=foreign)
     assert (board.array.quantization or {})["phases"] == 32

@@ -153,7 +153,8 @@ def test_pulses_that_are_none(given: dict[str, list[float]], stated: str) -> Non
 
 
 def test_arrays_of_ones_own_get_what_their_board_cannot_make_up_for() -> None:
-    array = midair.Array(midair.Array.preset("sonicsurface_pair").positions)
+    pair = midair.Array.preset("sonicsurface_pair")
+    array = midair.Array(pair.positions, pair.normals)
     board = midair.Board("sonicsurface", array)
     np.testing.assert_allclose(board.array.response, midair.Array.preset("sonicsurface_pair").response)
     own = np.exp(1j * np.arange(512))

@@ -67,6 +67,7 @@ def oracle_holo(path: Path) -> list[tuple[list[int], list[int]]]:
     return list(zip(lists[::2], lists[1::2], strict=True))
 
 
+@pytest.mark.filterwarnings("ignore:AcousTools has boards of 256 transducers")
 @pytest.mark.parametrize("transducers", [512, 7])
 def test_holo_holds_32_steps_of_phase_and_amplitude(transducers: int, tmp_path: Path) -> None:
     drives, path = random_drives(3, transducers), tmp_path / "a.holo"
@@ -143,7 +144,7 @@ def test_a_pair_that_stands_in_another_order_is_written_by_place(tmp_path: Path)
         midair.read(tmp_path / "full.holo", board="autd3")
     far = midair.Array(pair.positions * 1.5, pair.normals)
     strange = midair.Sequence(far, points, 1.0, np.stack([drive] * 2), rate=100.0)
-    with pytest.raises(midair.SceneError, match="not those of two OpenMPD boards"):
+    with pytest.raises(midair.SceneError, match="not those of OpenMPD boards"):
         midair.write(tmp_path / "far.holo", strange)
 
 

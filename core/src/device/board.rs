@@ -63,13 +63,25 @@ impl Board {
     /// An unknown name, no transducers, or more than the boards have channels.
     pub fn new(name: &str, transducers: usize) -> Result<Self, Error> {
         let format = format(name)?;
+        Self::of(format, transducers, transducers.div_ceil(format.channels))?
+            .with_channels((0..transducers).map(|i| format.channel(i)).collect())
+    }
+
+    /// Returns as many boards of this kind as these channels of N transducers reach.
+    pub(crate) fn on(name: &str, channels: &[usize]) -> Result<Self, Error> {
+        let format = format(name)?;
+        let boards = channels.iter().max().map_or(0, |most| (most / format.channels + 1).min(format.most_boards));
+        Self::of(format, channels.len(), boards)?.with_channels(channels.to_vec())
+    }
+
+    /// Returns boards without channels.
+    fn of(format: &'static Format, transducers: usize, boards: usize) -> Result<Self, Error> {
         let most = format.channels * format.most_boards;
         if transducers == 0 || transducers > most {
             let cure = format!("{} has 1 to {most} channels", format.name);
             return Err(Error::invalid("transducers", transducers, cure));
         }
-        let boards = transducers.div_ceil(format.channels);
-        let board = Self {
+        Ok(Self {
             format,
             boards,
             pulses: format.steps.pulses(),
@@ -78,8 +90,7 @@ impl Board {
             channels: Vec::new(),
             corrections: vec![0.0; transducers],
             live: vec![true; transducers],
-        };
-        board.with_channels((0..transducers).map(|i| format.channel(i)).collect())
+        })
     }
 
     /// Returns as many boards of this kind as the channels of an array need; one channel drives several transducers.

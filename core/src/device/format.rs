@@ -60,8 +60,10 @@ impl Format {
 
 /// The default positions of the transducers of a kind of board.
 pub(crate) enum Layout {
-    /// The positions of the preset with this name.
+    /// The positions of the preset with this name, on each board.
     Preset(&'static str),
+    /// The positions of the preset with this name, if the owner of such a board has no others.
+    Example(&'static str),
     /// A grid (columns, rows, pitch in m), if each owner of such a board wires it differently.
     Grid(usize, usize, f64),
 }

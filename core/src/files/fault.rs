@@ -41,6 +41,19 @@ impl Fault {
         Self { error, at: At::Key(table.into(), key.into()) }
     }
 
+    /// Returns the error about the same item within another table than `table`, unless its place is known already.
+    pub(super) fn within(self, table: &str, other: &str) -> Self {
+        let inner = |item: &str| item.strip_prefix(table).map(|rest| format!("{other}{rest}"));
+        let at = match self.at {
+            At::Value(path) if !path.starts_with(other) => At::Value(inner(&path).unwrap_or(path)),
+            at => at,
+        };
+        match inner(&self.error.item) {
+            Some(item) if !self.error.item.starts_with(other) => Self { error: self.error.about(item), at },
+            _ => Self { error: self.error, at },
+        }
+    }
+
     /// Returns the error about a key of a table that stands in no document: without the table's path.
     pub(super) fn bare(self, table: &str) -> Error {
         let key = self.error.item.strip_prefix(table).and_then(|key| key.strip_prefix('.')).map(String::from);

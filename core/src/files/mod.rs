@@ -187,8 +187,16 @@ pub fn placed(bytes: &[u8], format: Format, source: Source<'_>, error: &Error) -
 pub fn references(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Vec<PathBuf>, Error> {
     let (_, document) = parse(bytes, format, source)?;
     let folder = source.folder.unwrap_or(Path::new(""));
-    let positions = document.get("array").and_then(|array| array.get("positions"));
-    let tables = positions.into_iter().chain(drawn::tables(&document));
+    let mut arrays: Vec<&Node> = document.get("array").into_iter().collect();
+    let mut next = 0;
+    while let Some(&array) = arrays.get(next) {
+        if let Some(Node::List(parts)) = array.get("part") {
+            arrays.extend(parts);
+        }
+        next += 1;
+    }
+    let positions = arrays.into_iter().filter_map(|array| array.get("positions"));
+    let tables = positions.chain(drawn::tables(&document));
     let named = tables.filter_map(|table| match table.get("file") {
         Some(Node::Text(name)) => Some(folder.join(name)),
         _ => None,

@@ -16,7 +16,7 @@ use crate::files::positions;
 use crate::files::source::Source;
 use crate::scene::{
     Array, Axis, Bead, Body, Choice, Directivity, Extras, Key, Medium, Mesh, Obstacle, OptionValue, Options, Part,
-    PartKind, PartValue, Particle, Plane, Request, Scene, Signature, Surface, Value,
+    PartKind, PartValue, Particle, Plane, Pose, Request, Scene, Signature, Surface, Value,
 };
 use crate::solvers::registry;
 
@@ -175,9 +175,9 @@ fn bead(item: &Item<'_>) -> Result<Bead, Fault> {
 
 fn array(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {
     let has = |key: &str| table.get(key).is_some();
-    let ways = ["grid", "preset", "positions"].into_iter().filter(|key| has(key)).count();
+    let ways = ["grid", "preset", "positions", "part"].into_iter().filter(|key| has(key)).count();
     if ways != 1 {
-        let cure = "give exactly one of grid, preset and positions";
+        let cure = "give exactly one of grid, preset, positions and part";
         return Err(Error::invalid("array", format!("described {ways} times"), cure).into());
     }
     for (key, with) in [("tiles", "preset"), ("normals", "positions")] {
@@ -195,14 +195,28 @@ fn array(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {
             ErrorCode::Unknown => Fault::at("array.preset", error),
             _ => error.into(),
         })?
+    } else if let Some(parts) = table.get("part") {
+        let one = |item: &Item<'_>| array(&item.table()?, source).map_err(|fault| fault.within("array", &item.path));
+        let joined = Array::join(&parts.each(one, "give tables, each of an array")?);
+        joined.map_err(|error| Fault::from(error).within("parts", &parts.path))?
     } else {
         placed(table, source)?
     };
     // A missing part keeps the preset's value, or the default.
-    Array::PARTS.iter().try_fold(array, |array, part| match table.get(part.name) {
+    let array = Array::PARTS.iter().try_fold(array, |array, part| match table.get(part.name) {
         None => Ok(array),
-        Some(item) => Ok(part.put(array, value_of(part, &item)?)?),
-    })
+        Some(item) => Ok::<_, Fault>(part.put(array, value_of(part, &item)?)?),
+    })?;
+    let rotation = table.read("rotation", |item| match item.node.reals() {
+        Some(numbers) => Ok(numbers.into_owned()),
+        None => Ok(item.vectors::<3>()?.into_flattened()),
+    })?;
+    let translation = table.read("translation", Item::numbers)?.unwrap_or_default();
+    let pose = Pose::new(&rotation.unwrap_or_default(), translation);
+    Ok(pose.and_then(|pose| array.moved(&pose)).map_err(|error| {
+        let item = if error.item.starts_with("array") { error.item.clone() } else { format!("array.{}", error.item) };
+        error.about(item)
+    })?)
 }
 
 /// Reads the value of a part.

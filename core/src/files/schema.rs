@@ -14,7 +14,11 @@ const TABLES: &[Table] = &[
         "",
         &[
             Key::new("medium", r#"{"frequency": 40e3}"#, "The air: frequency, sound speed, absorption and density."),
-            Key::new("array", r#"{"preset": "autd3"}"#, "The transducers: exactly one of grid, preset and positions."),
+            Key::new(
+                "array",
+                r#"{"preset": "autd3"}"#,
+                "The transducers: exactly one of grid, preset, positions and part.",
+            ),
             Key::new("points", r#"[{"position": [0.0, 0.0, 0.15]}]"#, "Control points, one table for each."),
             Key::new(
                 "shape",
@@ -78,6 +82,17 @@ const TABLES: &[Table] = &[
                 "[[0.0, 0.0, 1.0], [0.0, 0.0, 1.0]]",
                 "Direction that each transducer of `positions` faces; default +z.",
             ),
+            Key::new(
+                "part",
+                r#"[{"preset": "autd3"}, {"preset": "autd3", "translation": [0.2, 0.0, 0.0]}]"#,
+                "Arrays that are joined into one, such as the boards of a rig: tables with the keys of `array`.",
+            ),
+            Key::new(
+                "rotation",
+                "[0.0, 1.5708, 0.0]",
+                "Rotation about the origin: axis times angle in rad; or a quaternion w, x, y, z; or a matrix of three rows.",
+            ),
+            Key::new("translation", "[0.0, 0.0, 0.1]", "Translation in m, after the rotation."),
         ],
     ),
     ("array", Array::PART_KEYS),
@@ -389,13 +404,16 @@ fn is(path: &str, pattern: &str) -> bool {
     path.trim_end_matches("[]") == pattern.trim_end_matches("[]")
 }
 
-/// Removes the indices from a path: `points[3].pressure` becomes `points[].pressure`.
+/// Removes the indices from a path: `points[3].pressure` becomes `points[].pressure`. A part of an array has the keys of an
+/// array: `array.part[1].tiles` becomes `array.tiles`.
 fn pattern(path: &str) -> String {
     let mut within = false;
-    path.chars()
+    let pattern: String = path
+        .chars()
         .filter(|&letter| {
             within = (within && letter != ']') || letter == '[';
             !within || letter == '['
         })
-        .collect()
+        .collect();
+    pattern.replace(".part[]", "")
 }

@@ -1,15 +1,17 @@
-//! Eigenvalues and eigenvectors of a real symmetric 3 x 3 matrix, by Jacobi's rotations (Golub and Van Loan, section 8.5).
+//! Eigenvalues and eigenvectors of a small real symmetric matrix, by Jacobi's rotations (Golub and Van Loan, section 8.5).
+
+use core::array::from_fn;
 
 use crate::math::sqrt;
 
-/// Number of sweeps over the three entries beside the diagonal: each squares their remaining size.
+/// Number of sweeps over the entries above the diagonal: each squares their remaining size.
 const SWEEPS: usize = 8;
 
 /// Returns the eigenvalues, in no order, and the eigenvector of each, of length 1.
-pub(crate) fn eigen(mut a: [[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
-    let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+pub(crate) fn eigen<const N: usize>(mut a: [[f64; N]; N]) -> ([f64; N], [[f64; N]; N]) {
+    let mut vectors = from_fn(|k| from_fn(|l| if k == l { 1.0 } else { 0.0 }));
     for _ in 0..SWEEPS {
-        for [p, q] in [[0, 1], [0, 2], [1, 2]] {
+        for [p, q] in (0..N).flat_map(|p| (p + 1..N).map(move |q| [p, q])) {
             if a[p][q] == 0.0 {
                 continue;
             }
@@ -21,14 +23,14 @@ pub(crate) fn eigen(mut a: [[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
             for row in &mut a {
                 (row[p], row[q]) = (cosine * row[p] - sine * row[q], sine * row[p] + cosine * row[q]);
             }
-            for k in 0..3 {
+            for k in 0..N {
                 (a[p][k], a[q][k]) = (cosine * a[p][k] - sine * a[q][k], sine * a[p][k] + cosine * a[q][k]);
                 let (x, y) = (vectors[p][k], vectors[q][k]);
                 (vectors[p][k], vectors[q][k]) = (cosine * x - sine * y, sine * x + cosine * y);
             }
         }
     }
-    ([a[0][0], a[1][1], a[2][2]], vectors)
+    (from_fn(|k| a[k][k]), vectors)
 }
 
 #[cfg(test)]

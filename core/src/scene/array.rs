@@ -14,6 +14,7 @@ use crate::math;
 use crate::scene::geometry::{bounds, check_finite, lattice};
 use crate::scene::medium::Medium;
 use crate::scene::origin::Origin;
+use crate::scene::pose::Pose;
 use crate::scene::presets;
 use crate::scene::transducer::Transducer;
 use crate::vec3::Vec3;
@@ -49,6 +50,7 @@ pub struct Array {
     response: Option<Arc<[Complex64]>>,
     mask: Option<Arc<[bool]>>,
     pub(super) channels: Option<Channels>,
+    pins: Option<Arc<[usize]>>,
     quantization: Option<Arc<Quantization>>,
     /// The frequency in Hz of an array that is real hardware: its default medium is then real air. Comparisons of
     /// arrays ignore it.
@@ -94,6 +96,7 @@ impl Array {
             response: None,
             mask: None,
             channels: None,
+            pins: None,
             quantization: None,
             hardware: None,
             origin: Origin::Positions,
@@ -187,6 +190,26 @@ impl Array {
         Ok(self)
     }
 
+    /// Returns a copy of this array whose transducers are on these channels (N,) of its boards; the channels of a second board
+    /// follow those of the first. `None` leaves this to the order of the transducers.
+    ///
+    /// # Errors
+    /// Another number of entries than transducers, a channel given twice.
+    pub fn with_pins(mut self, pins: Option<Vec<usize>>) -> Result<Self, Error> {
+        if let Some(pins) = &pins {
+            one_each("array.pins", pins.len(), "values", self.len(), "transducers")?;
+            let mut owners: Vec<usize> = (0..pins.len()).collect();
+            owners.sort_by_key(|&i| (pins[i], i));
+            if let Some(pair) = owners.windows(2).find(|pair| pins[pair[0]] == pins[pair[1]]) {
+                let (one, other) = (pair[0], pair[1]);
+                let cure = format!("array.pins[{one}] is the same: give each once");
+                return Err(Error::invalid(format!("array.pins[{other}]"), pins[other], cure));
+            }
+        }
+        self.pins = pins.map(Into::into);
+        Ok(self)
+    }
+
     /// Returns a copy of this array on a device that can play only some phases and amplitudes: every drive is then rounded to
     /// these. `None`, or a quantization without limits, allows any drive.
     #[must_use]
@@ -249,6 +272,12 @@ impl Array {
         self.mask.as_deref()
     }
 
+    /// The channel of the boards of each transducer (N,), or `None` where the order of the transducers decides.
+    #[must_use]
+    pub fn pins(&self) -> Option<&[usize]> {
+        self.pins.as_deref()
+    }
+
     /// The phases and amplitudes that the device can play, or `None` if it can play any.
     #[must_use]
     pub fn quantization(&self) -> Option<&Quantization> {
@@ -268,9 +297,23 @@ impl Array {
         self.response.as_ref().map_or(Complex64::ONE, |response| response[i])
     }
 
+    /// Returns a copy of this array that is rotated and translated. Everything else stays: the order, the transducers, their
+    /// responses, mask, channels, pins and quantization, and the mark as hardware.
+    ///
+    /// # Errors
+    /// Coordinates that are no longer finite.
+    pub fn moved(&self, pose: &Pose) -> Result<Self, Error> {
+        if *pose == Pose::NONE {
+            return Ok(self.clone());
+        }
+        let moved = self.mirrored(|place| pose.place(place), |normal| pose.direction(normal), false);
+        check_finite("array.positions", &moved.positions)?;
+        Ok(moved)
+    }
+
     /// Returns a copy of this array whose positions are mapped by `place` and whose normals are mapped by
     /// `direction`, as a mirror does; `opposite` reverses the sign of all responses.
-    pub(crate) fn moved(
+    pub(crate) fn mirrored(
         &self,
         place: impl Fn([f64; 3]) -> [f64; 3],
         direction: impl Fn([f64; 3]) -> [f64; 3],
@@ -358,6 +401,7 @@ impl PartialEq for Array {
             && self.transducer == other.transducer
             && self.response == other.response
             && self.channels == other.channels
+            && self.pins == other.pins
             && self.quantization == other.quantization
             && (0..self.len()).all(|i| on(self, i) == on(other, i))
     }

@@ -23,6 +23,11 @@ pub(crate) fn bounds(points: &[[f64; 3]]) -> [[f64; 2]; 3] {
     })
 }
 
+/// The mean of places; the origin if there are none.
+pub(crate) fn middle(places: &[[f64; 3]]) -> [f64; 3] {
+    *(places.iter().fold(Vec3::default(), |sum, &place| sum + place) / places.len().max(1) as f64)
+}
+
 /// The dot product a . b.
 pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     Vec3(a).dot(b)

@@ -108,6 +108,8 @@ parts! {
     mask, such as "[true, false]": Access::Flags(Array::mask, Array::with_mask);
     /// Channel of each transducer, if several share one; by default that of the preset, or one for each transducer.
     channels, such as "[0, 0, 1, 1]": Access::Indices(Array::channels, Array::with_channels);
+    /// Channel of the boards that plays each transducer; by default the order of the transducers decides.
+    pins, such as "[1, 0]": Access::Indices(Array::pins, Array::with_pins);
     /// Phases and amplitudes that the board can play; by default those of the preset. {} allows any drive.
     quantization, such as r#"{"phases": 256}"#: Access::Quantization(Array::quantization, Array::with_quantization);
 }

@@ -19,7 +19,7 @@ impl Array {
     pub fn of_board(kind: &str, tiles: [usize; 2]) -> Result<Self, Error> {
         let format = board::format(kind)?;
         match format.layout {
-            Layout::Preset(name) => Self::preset(name, tiles),
+            Layout::Preset(name) | Layout::Example(name) => Self::preset(name, tiles),
             Layout::Grid(nx, ny, pitch) if tiles == [1, 1] => {
                 Ok(Self::grid(nx, ny, pitch)?.with_quantization(Some(format.steps.quantization()?)))
             }
@@ -30,11 +30,13 @@ impl Array {
         }
     }
 
-    /// Returns boards of this kind for the array. Each transducer has its own channel, unless the array has channels. Masked
-    /// and dead transducers are off. A channel is off if all its transducers are off.
+    /// Returns boards of this kind for the array, which stands in the order of the boards, or states its pins. Each transducer
+    /// has its own channel, unless the array has channels. Masked and dead transducers are off. A channel is off if all its
+    /// transducers are off.
     ///
     /// # Errors
-    /// An unknown name, more transducers or channels than the boards have.
+    /// An unknown name, more transducers or channels than the boards have, another order or other places than those of the
+    /// boards, pins together with channels.
     ///
     /// ```
     /// use midair::{Array, Complex32};
@@ -45,9 +47,41 @@ impl Array {
     /// # Ok::<(), midair::Error>(())
     /// ```
     pub fn board(&self, kind: &str) -> Result<Board, Error> {
-        let board =
-            self.wiring().map_or_else(|| Board::new(kind, self.len()), |channels| Board::wired(kind, channels))?;
-        board.with_live((0..self.len()).map(|i| self.effect(i) != Complex64::ZERO).collect())
+        let format = board::format(kind)?;
+        let board = match (self.wiring(), self.pins()) {
+            (Some(_), Some(_)) => {
+                return Err(Error::conflict("array.pins", "given with array.channels", "leave one of them out"));
+            }
+            (Some(channels), None) => Board::wired(kind, channels)?,
+            (None, Some(pins)) => {
+                let board = Board::on(kind, pins)?;
+                if let Layout::Preset(_) = format.layout {
+                    self.check_order(format, pins)?;
+                }
+                board
+            }
+            (None, None) => {
+                let board = Board::new(kind, self.len())?;
+                self.check_order(format, board.channels())?;
+                board
+            }
+        };
+        board.with_live(self.live())
+    }
+
+    /// Returns boards of this kind with the channel of each transducer (N,), or of each channel of the array (C,), whatever
+    /// their places.
+    ///
+    /// # Errors
+    /// An unknown name, more transducers or channels than the boards have, the errors of [`Board::with_channels`].
+    pub fn board_on(&self, kind: &str, channels: Vec<usize>) -> Result<Board, Error> {
+        let board = self.wiring().map_or_else(|| Board::new(kind, self.len()), |wired| Board::wired(kind, wired))?;
+        board.with_channels(channels)?.with_live(self.live())
+    }
+
+    /// Whether each transducer emits (N,).
+    fn live(&self) -> Vec<bool> {
+        (0..self.len()).map(|i| self.effect(i) != Complex64::ZERO).collect()
     }
 
     /// Returns a copy of this array with several transducers wired to one channel: `channels` (N,) gives the channel of each

@@ -28,6 +28,7 @@ mod motions;
 mod optimum;
 #[allow(dead_code, unreachable_pub, reason = "an independent reference, also for tests to come")]
 mod oracle;
+mod order;
 mod paper;
 mod plausibility;
 mod propagation;

@@ -15,7 +15,6 @@ from .._midair import Codec, nearest, numbers
 from .._support.arguments import is_array, needs, number, refused, word
 from .board import Board
 from .errors import BoardError
-from .layout import autd3_boards
 
 #: Kinds of boards that an address can name.
 KINDS = Codec.kinds()
@@ -112,7 +111,7 @@ def describe(address: Address, board: Board) -> dict[str, Any]:
         return {"kind": "loop", "baud": baud, "silence": silence, "off": off, "swap": swap}
     if address.kind == "udp":
         where = f"autd3:{address.where}" if address.where else "autd3"
-        return {"kind": "udp", "address": where, "boards": autd3_boards(board.array)}
+        return {"kind": "udp", "address": where, "boards": board.boards}
     package, module, extra = NEEDS[address.kind]
     if find_spec(module) is None:
         raise BoardError(f'{board.name} needs {package}: pip install "midair[{extra}]"')

@@ -26,7 +26,6 @@ from .limit import (
     Limit,
     check_rate,
     given_drives,
-    refuse_elsewhere,
     refuse_real,
     timed,
     warn_of_scale,
@@ -295,7 +294,7 @@ class Connection:
         """Return a drive's frame; rejects drives above the limit and solutions for other transducers."""
         if isinstance(drive, Solution):
             if drive.scene is not None:
-                refuse_elsewhere(self.board, drive.scene.array)
+                self.board.array._check_drive_of(drive.scene.array)
             if drive.scale < 1 and not self._warned:
                 self._warned = True
                 warn_of_scale(drive.scale)

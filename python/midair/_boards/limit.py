@@ -10,16 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene, SceneError, Solution, field, numbers, stated
+from .._midair import Array, Scene, SceneError, Solution, field, numbers
 from .._points.ear import Ear
 from .._sequence import Sequence
 from .._support.arguments import is_array, refused, warn
 from .board import Board
 from .errors import BoardError, BoardTimeout
 from .wire import Late
-
-#: Largest distance in m between a solution's transducers and the board's.
-APART = 0.5e-3
 
 #: Relative tolerance for rounding in bounds and rates.
 ROUNDING = 1e-6
@@ -82,7 +79,7 @@ def refuse_real(drive: Any) -> None:
 def given_drives(board: Board, given: Any) -> Iterator[ArrayLike | Solution]:
     """Yield the drives of a stream: of a sequence, an array (T, N) or any iterable. Rejects other values."""
     if isinstance(given, Sequence):
-        refuse_elsewhere(board, given.array)
+        board.array._check_drive_of(given.array)
         return (given.drive(frame) for frame in range(len(given)))
     if is_array(given):
         count = len(board.array)
@@ -100,21 +97,6 @@ def timed(drives: Iterator[ArrayLike | Solution]) -> Iterator[tuple[float, Array
     for drive in drives:
         yield requested, drive
         requested = time.monotonic()
-
-
-def refuse_elsewhere(board: Board, array: Array) -> None:
-    """Raise BoardError if an array's transducers are not at the places of the board's transducers."""
-    mine, theirs = board.array.positions, array.positions
-    if len(mine) != len(theirs):
-        found = f"{len(theirs)} transducers, {board.name} has {len(mine)}"
-    elif (apart := np.linalg.norm(mine - theirs, axis=1)).max() > APART:
-        at = int(apart.argmax())
-        found = f"an array whose transducer {at} lies {1e3 * apart[at]:.3g} mm from the board's"
-    else:
-        return
-    raise stated(
-        "the drive", f"was solved for {found}", "solve for connection.board.array, or connect with array="
-    )
 
 
 def warn_of_scale(scale: float) -> None:

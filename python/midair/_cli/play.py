@@ -17,26 +17,18 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.live import Live
 
-from .. import Array, Board, Connection, Scene, Sequence, Solution, connect, presets, read, solve
+from .. import Array, Board, Connection, Scene, Sequence, Solution, connect, read, solve
 from .._boards.address import DEFAULT, can_modulate, parse
-from .._boards.limit import APART
 from .._boards.playing import LOOK, keep
 from .._midair import stated
 from .._points.ear import REFERENCE
 from .._sequence import document
-from .._support.arguments import number, refused, warn
+from .._support.arguments import number, refused
 from .._support.text import counted
 from .progress import progress_bar, tell
 
 #: Seconds per unit in the option --for.
 UNITS = {"ms": 1e-3, "s": 1.0, "": 1.0, "min": 60.0, "h": 3600.0}
-
-#: Boards with a fixed layout: the presets of one board and of two.
-FIXED = {
-    "autd3": ("autd3", "autd3"),
-    "sonicsurface": ("sonicsurface", "sonicsurface_pair"),
-    "openmpd": ("openmpd_board", "openmpd_pair"),
-}
 
 
 def play_command(
@@ -69,8 +61,8 @@ def play_command(
         # Solving may take long, so the modulation is checked before the scene is solved.
         number("--modulate", modulate, above=0)
         can_modulate(place.kind_of_board or DEFAULT)
-    thing = _thing(what, solver, lambda array: board_of(name, array))
-    board = board_of(name, thing.array if isinstance(thing, Sequence) else _scene(thing).array)
+    thing = _thing(what, solver, lambda array: Board(name, array))
+    board = Board(name, thing.array if isinstance(thing, Sequence) else _scene(thing).array)
     with connect(on, board=board) as connection, _status(connection, on, _loudness(thing), seconds) as show:
         if modulate is not None:
             connection.modulate(modulate)
@@ -118,26 +110,6 @@ def _thing(path: Path, solver: str | None, board: Callable[[Array], Board]) -> S
 def _scene(solution: Solution) -> Scene:
     assert solution.scene is not None
     return solution.scene
-
-
-def board_of(name: str, array: Array) -> Board:
-    """Return the boards that drive an array.
-
-    Rejects part of a board; warns of transducers at other places.
-    """
-    board = Board(name, array)
-    if board.name not in FIXED:
-        return board
-    one, pair = FIXED[board.name]
-    if len(array) % presets()[one].count:
-        cure = f'give a scene of its array, preset = "{one}"'
-        raise stated("the array", f"has {len(array)} transducers, {board.name} {presets()[one].count}", cure)
-    # AUTD3 boards may stand anywhere.
-    known = array if board.name == "autd3" else Array.preset((one, pair)[board.boards - 1])
-    if np.abs(known.positions - array.positions).max() > APART:
-        order = "its transducers are taken to be in that board's order"
-        warn(f"the array stands otherwise than {board.name}: {order}")
-    return board
 
 
 def _frames(

@@ -11,7 +11,6 @@ from .. import Board, connect
 from .._boards.address import DEFAULT, parse
 from .._studio.page import greeting, scene_text
 from .._studio.server import HOLD, PagesBoard, Server
-from .play import board_of
 from .progress import tell
 from .scene import SceneFile
 
@@ -37,7 +36,7 @@ def studio_command(
         player = None
         if on is not None:
             name = parse(on).board or DEFAULT
-            board = Board(name) if shown is None else board_of(name, shown.array)
+            board = Board(name, None if shown is None else shown.array)
             shown = shown or greeting(board.array)
             connection = open_things.enter_context(connect(on, board=board, hold=HOLD))
             player = PagesBoard(connection, scene_text(shown))

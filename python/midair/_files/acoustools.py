@@ -1,10 +1,11 @@
 """Files of AcousTools 1.2 (JoshuaMukherjee/AcousTools, Export): `.csv` of phases, and `.holo`.
 
-Order of transducers: AcousTools has two boards of OpenMPD with 512 transducers. Its own order is the top
-board first; on each board x varies slowly, then y, both from the lowest. In its .csv, which OpenMPD reads,
-the top board is reversed, and so is each run of 16 transducers of the bottom board. midair's drives are those
-of `Array.preset("openmpd_pair")`, or of an array with transducers at the same places. Arrays with any other
-number of transducers keep their order.
+Order of transducers: AcousTools has one or two boards of OpenMPD, with 256 transducers each. Its own order is
+the top board first; on each board x varies slowly, then y, both from the lowest. In its .csv of two boards,
+which OpenMPD reads, the top board is reversed, and so is each run of 16 transducers of the bottom board. Its
+.csv of one board keeps its own order (flip=False, invert=False). midair's drives are those of
+`Array.preset("openmpd_board")` or "openmpd_pair", or of an array with transducers at the same places. Arrays
+with any other number of transducers keep their order, with a warning.
 
 `.csv`: the first line is `frames,transducers`. Then follow phases in rad, one line per frame. There are no
 amplitudes.
@@ -51,25 +52,24 @@ def own_order(array: Array | None, transducers: int) -> NDArray[np.intp]:
         raise stated(
             "drives", f"of {transducers} transducers, an array of {len(array)}", "give another board"
         )
-    if transducers != PAIR:
+    if transducers not in (BOARD, PAIR):
+        warn(f"AcousTools has boards of {BOARD} transducers: {transducers} keep the order of the drives")
         return np.arange(transducers)
-    array = Array.preset("openmpd_pair") if array is None else array
+    array = (
+        Array.preset("openmpd_board" if transducers == BOARD else "openmpd_pair") if array is None else array
+    )
     places, down = array.positions, array.normals[:, 2] < 0
     side = (np.arange(SIDE) - (SIDE - 1) / 2) * 10.5e-3
-    found = []
-    for board in (down, ~down):
+    found: list[int] = []
+    for board in (down, ~down) if transducers == PAIR else (np.ones(BOARD, np.bool_),):
         for x in side:
             for y in side:
-                away = np.hypot(places[:, 0] - x, places[:, 1] - y)
-                found.append(np.where(board, away, np.inf).argmin())
-                if not (board.any() and away[found[-1]] < NEAR):
-                    cure = "give drives of openmpd_pair, or another format"
-                    raise stated(
-                        "the array",
-                        "has 512 transducers, but not those of two OpenMPD boards",
-                        cure,
-                        code="conflict",
-                    )
+                away = np.where(board, np.hypot(places[:, 0] - x, places[:, 1] - y), np.inf)
+                found.append(int(away.argmin()))
+                if not away[found[-1]] < NEAR:
+                    reported = f"has {transducers} transducers, but not those of OpenMPD boards"
+                    cure = "give drives of openmpd_board or openmpd_pair, or another format"
+                    raise stated("the array", reported, cure, code="conflict")
     return np.array(found)
 
 

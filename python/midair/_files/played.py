@@ -56,10 +56,6 @@ def read(path: str | PathLike[str], board: Board | None) -> NDArray[np.complex64
 ROUNDING = 1e-6
 
 
-#: Largest distance in m between a transducer of the array and the board's transducer of the same number.
-APART = 0.5e-3
-
-
 @dataclass(frozen=True, eq=False)
 class Played:
     """T drives of N transducers.
@@ -106,11 +102,7 @@ def played(drives: Any, board: Board | None) -> Played:
         reported = f"drives of {found.transducers} transducers, board of {len(board.array)}"
         raise stated("", reported, "give drives for the board's array, or another board")
     if board is not None and found.array is not None:
-        apart = np.linalg.norm(found.array.positions - board.array.positions, axis=1)
-        at = int(apart.argmax())
-        if apart[at] > APART:
-            reported = f"the drives' transducer {at} lies {1e3 * apart[at]:.3g} mm from the board's"
-            raise stated("", reported, "solve for the board's array, or give midair.Board(..., array)")
+        board.array._check_drive_of(found.array)
     return found
 
 

@@ -64,7 +64,8 @@ def read(
     | `.csv` of control points | times, points, intensities and frequencies: midair._files.ControlPoints |
 
     The first row of a .csv identifies its kind; Ultraino's has none and is identified by its name. Drives
-    of 512 transducers from AcousTools are in the order of the board's array, by default `openmpd_pair`.
+    of 256 or 512 transducers from AcousTools are in the order of the board's array, by default
+    `openmpd_board` or `openmpd_pair`.
 
     Examples
     --------
@@ -136,7 +137,7 @@ def read_array(path: str | PathLike[str], **parts: Unpack[_Parts]) -> Array:
     path : str or path
         File to read; its ending chooses the format, below.
     **parts
-        Keywords of `midair.Array`: source_pressure, directivity, response, mask, channels, quantization.
+        Keywords of `midair.Array`, such as mask and pins.
 
     Returns
     -------
@@ -152,7 +153,7 @@ def read_array(path: str | PathLike[str], **parts: Unpack[_Parts]) -> Array:
     -----
     - `.pat`, a board of OpenMPD: P0 3.4 Pa m, piston of 4.5 mm, the board's grid; gains are responses.
     - `.xml.gz` or `.xml` of Ultraino, by orderNumber: P0 is `power`, else 2.53; sinc of
-      `apperture`, else 9 mm. Its y is up: (x, y, z) is here (x, -z, y).
+      `apperture`, else 9 mm; pins are `driverPinNumber`. Its y is up: (x, y, z) is here (x, -z, y).
     - `.xml` of HandyBeam, by Index: cos 3.376; a transducer with ABX "X" is off in the mask.
     - `.json` of AUTD3, as Geometry.to_json writes, board after board: as the preset `autd3`.
     - `.csv`: x,y,z or x,y,z,nx,ny,nz, as scene files read them.
@@ -197,6 +198,7 @@ def _openmpd(path: str | PathLike[str]) -> Layout:
         directivity={"piston": 4.5e-3},
         response=None if np.all(found.gains == 1) else found.gains,
         quantization={**grid, "phases": found.divisions},
+        pins=found.pins,
     )
 
 

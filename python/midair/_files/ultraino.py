@@ -3,8 +3,9 @@
 An array (arrays/) is a Java object of class Simulation, written by XMLEncoder. Its y axis points up: a flat
 array lies in y = 0 and faces +y. In midair it lies in z = 0 and faces +z, so (x, y, z) becomes (x, -z, y),
 also for normals. A transducer has the width `apperture`, the directivity sin(x)/x (CalcField.java) and
-`power`, its pressure times distance at full drive in Pa m. Its drive is `amplitude` (or `pAmplitude`) and
-`phase`, in rad over pi. Phase corrections belong to the board and are not read.
+`power`, its pressure times distance at full drive in Pa m. `driverPinNumber` is its channel on the driver
+board. Its drive is `amplitude` (or `pAmplitude`) and `phase`, in rad over pi. Phase corrections belong to the
+board and are not read.
 
 A pair of .csv (ImportAnimationForm.java) has phases in rad in one file and amplitudes from 0 to 1 in the
 other. There is no header. A row is a frame, a column a transducer, in the order of their numbers. Ultraino
@@ -24,6 +25,7 @@ from numpy.typing import NDArray
 from .._boards.layout import Layout, turned
 from .._midair import stated
 from .._sequence.files import whole
+from .._support.arguments import warn
 from .._support.text import fault, numbers, rows, text
 from .played import Played, one_or_more
 from .xml import Bean, Decoder, Element
@@ -90,7 +92,20 @@ def read(path: str | PathLike[str], root: Element) -> Layout:
         source_pressure=float(largest),
         directivity={"sinc": width[0]},
         response=None if (power == largest).all() else power / largest,
+        pins=_pins(path, found),
     )
+
+
+def _pins(path: str | PathLike[str], transducers: list[Bean]) -> NDArray[np.int64] | None:
+    """Return the channel of each transducer; None if the file leaves them out, or has one for several."""
+    pins = np.array([_number(path, bean, "driverPinNumber", 0.0) for bean in transducers])
+    if not pins.any():
+        return None
+    wrong = next((pin for pin in pins if pin < 0 or pin % 1 or (pins == pin).sum() > 1), None)
+    if wrong is None:
+        return pins.astype(np.int64)
+    warn(f"driverPinNumber {wrong:g} of {path} is no channel of one transducer: no pins are read, give pins=")
+    return None
 
 
 def _upright(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

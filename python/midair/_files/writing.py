@@ -71,8 +71,9 @@ def write(
     | `.csv`, "ultraino" | phases to ...0_Phase.csv, amplitudes to ...0_Amp.csv | any |
     | `.csv`, "points" | t,x,y,z,intensity[,frequency]: for Ultraleap's devices, no drives | points |
 
-    Drives of 512 transducers in `.holo` and "acoustools" are those of two OpenMPD boards and are put into
-    AcousTools' order. Without a layout, a name with 0_Phase means "ultraino".
+    Drives of 256 or 512 transducers in `.holo` and "acoustools" are those of one or two OpenMPD boards and
+    are put into AcousTools' order; other numbers keep their order, with a warning. Without a layout, a name
+    with 0_Phase means "ultraino".
 
     Examples
     --------

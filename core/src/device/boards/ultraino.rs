@@ -27,7 +27,7 @@ pub(crate) const MEGA64: Format = Format {
     // The interrupt for each byte stops the pins for half a period. At 55 frames per second the boards emit 35 kHz with 0.55 of
     // the amplitude.
     steady: 10.0,
-    layout: Layout::Preset("ultraino_flat8x8"),
+    layout: Layout::Example("ultraino_flat8x8"),
     order: |transducer| transducer,
     late: |channel| (0, (PORTS_LATE[PINS[channel % 64] / 8] - BEFORE) / PERIOD),
     size: |boards| 200 * boards + DURATIONS.len() + 1,

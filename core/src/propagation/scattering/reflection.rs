@@ -44,7 +44,7 @@ impl Reflection {
 
     /// The mirror image of an array.
     pub(crate) fn array(&self, array: &Array) -> Array {
-        array.moved(|x| self.place(Vec3(x)).0, |v| self.direction(Vec3(v)).0, self.sign() < 0.0)
+        array.mirrored(|x| self.place(Vec3(x)).0, |v| self.direction(Vec3(v)).0, self.sign() < 0.0)
     }
 
     /// The mirror image of an element.

@@ -1,0 +1,132 @@
+"""Order of transducers on boards: no array in another order than its board reaches it without a word, and
+wiring that a file states is used. The right values were computed without midair.
+"""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import midair
+
+DATA = Path(__file__).parent / "data"
+#: A grid of 16 x 16 on which x varies slowly, and a focus.
+SLOW = midair.Array.preset("sonicsurface").positions.reshape(16, 16, 3).swapaxes(0, 1).reshape(256, 3)
+FOCUS = [[0.03, 0.02, 0.12]]
+
+
+def pressure(array: midair.Array, drive: object, point: list[list[float]]) -> float:
+    return float(np.abs(midair.field(midair.Scene(array, point), drive, point).pressure[0]))
+
+
+@pytest.mark.parametrize("kind", ["sonicsurface", "openmpd", "mega64", "nano16", "nano", "homies", "autd3"])
+def test_a_random_order_is_refused_by_every_way_to_a_board(kind: str, tmp_path: Path) -> None:
+    board = midair.Board(kind)
+    rng = np.random.default_rng(len(kind))
+    mixed = rng.permutation(len(board.array))
+    array = midair.Array(board.array.positions[mixed], board.array.normals[mixed])
+    solution = midair.solve(midair.Scene(array, [[0.01, 0.02, 0.1]]), "naive")
+    reported = f"array is in another order than {kind}: give its transducers in the order "
+    for way in (
+        lambda: midair.Board(kind, array),
+        lambda: midair.connect(f"{kind}:loop", array=array),
+        lambda: solution.play(f"{kind}:loop", seconds=0.1),
+    ):
+        with pytest.raises(midair.SceneError) as caught:
+            way()
+        assert str(caught.value).startswith(reported)
+        assert "\n" not in str(caught.value)
+    elsewhere = pytest.raises(midair.SceneError, match="the drive was solved for an array whose transducer")
+    with midair.connect(f"{kind}:null") as connection, elsewhere:
+        connection.send(solution)
+    with pytest.raises(midair.SceneError, match="the drive was solved for an array whose transducer"):
+        midair.write(tmp_path / "a.bin", solution, board=kind)
+    # The channels by place play the same field.
+    channels = array.channels_by_place(kind)
+    assert np.array_equal(channels, board.channels[mixed])
+    own = midair.Board(kind, array, channels=channels)
+    drive = np.empty_like(solution.drive)
+    drive[mixed] = own.decode(own.encode(solution))
+    np.testing.assert_allclose(board.decode(board.encode(drive)), drive, atol=1e-6)
+
+
+def test_a_board_is_known_by_its_order_wherever_it_stands() -> None:
+    array = midair.Array.preset("sonicsurface")
+    moved = array.moved(rotation=[0.3, -1.0, 2.0], translation=[1.0, -2.0, 0.5])
+    scene = midair.Scene(moved, [moved.positions.mean(0) + 0.1 * moved.normals[0]])
+    with midair.connect("sonicsurface:loop", array=moved) as surface:
+        surface.send(midair.solve(scene))
+    with midair.connect("sonicsurface:loop") as surface:
+        surface.send(midair.solve(scene))
+
+
+def test_x_slow_on_a_sonicsurface_is_refused_or_put_in_order() -> None:
+    array = midair.Array(SLOW, source_pressure=2.4, directivity={"sinc": 9e-3})
+    with pytest.raises(
+        midair.SceneError, match=r"give its transducers in the order \[0, 16, 32, .*pins=\[0, "
+    ):
+        midair.Board("sonicsurface", array)
+    surface = midair.Board("sonicsurface")
+    board = midair.Board("sonicsurface", array, channels=array.channels_by_place("sonicsurface"))
+    drive = midair.solve(midair.Scene(board.array, FOCUS, sound_speed=340.0, absorption=0.0), "naive").drive
+    played = surface.decode(board.encode(drive))
+    assert pressure(surface.array, played, FOCUS) == pytest.approx(2678, rel=0.03)
+
+
+def test_the_pins_of_an_ultraino_file_are_played(tmp_path: Path) -> None:
+    array = midair.Array.from_file(DATA / "pins_reversed.xml")
+    point = [[0.012, 0.007, 0.08]]
+    assert array.pins.tolist() == list(range(63, -1, -1))
+    scene = midair.Scene(array, point)
+    scene.save(tmp_path / "pins.toml")
+    for again in (
+        pickle.loads(pickle.dumps(array)),
+        array.moved(translation=[0, 0, 0.1]),
+        midair.Scene.load(tmp_path / "pins.toml").array,
+        midair.Scene.parse(scene.json()).array,
+    ):
+        assert np.array_equal(again.pins, array.pins)
+    with midair.connect("mega64:loop", array=array) as mega:
+        mega.send(midair.solve(midair.Scene(mega.board.array, point)))
+        emitted = mega.emitting
+        frame = mega.board.encode(emitted)
+    # The pins of the board in their own order, at the places of the array.
+    at_pins = midair.Board("mega64").decode(frame)
+    assert pressure(mega.board.array, at_pins[array.pins], point) == pytest.approx(2100, rel=0.05)
+    assert pressure(mega.board.array, at_pins, point) < 300
+
+
+def test_pins_of_a_file_that_are_no_channels_are_a_warning(tmp_path: Path) -> None:
+    text = (DATA / "pins_reversed.xml").read_text().replace("<int>62</int>", "<int>63</int>", 1)
+    path = tmp_path / "twice.xml"
+    path.write_text(text)
+    with pytest.warns(midair.SceneWarning, match="driverPinNumber 63 of .* is no channel of one transducer"):
+        assert midair.Array.from_file(path).pins is None
+
+
+@pytest.mark.parametrize("ending", ["holo", "csv"])
+def test_acoustools_files_of_one_board_are_put_in_order(ending: str, tmp_path: Path) -> None:
+    point = [[0.02, 0.015, 0.1]]
+    board = midair.Array.preset("openmpd_board")
+    if ending == "holo":
+        drive = midair.read(DATA / "one_board.holo")
+        assert pressure(board, drive, point) == pytest.approx(4734, rel=0.03)
+    drive = midair.solve(midair.Scene(board, point), "naive").drive
+    drive = np.exp(1j * np.angle(drive)).astype(np.complex64)
+    path = tmp_path / f"a.{ending}"
+    midair.write(path, drive, layout="acoustools" if ending == "csv" else None)
+    np.testing.assert_allclose(midair.read(path), drive, atol=0.11)
+    if ending == "csv":
+        # x varies slowly, then y upwards.
+        own = np.array(path.read_text().splitlines()[1].split(","), float)
+        rows = np.lexsort((board.positions[:, 1], board.positions[:, 0].round(6)))
+        np.testing.assert_allclose(np.exp(1j * own), drive[rows], atol=1e-6)
+    far = midair.solve(midair.Scene(midair.Array(board.positions * 1.2), point), "naive")
+    with pytest.raises(midair.SceneError, match="256 transducers, but not those of OpenMPD boards"):
+        midair.write(path, far, layout="acoustools" if ending == "csv" else None)
+    some = midair.solve(midair.Scene(midair.Array.grid(10, 10, 0.01), point), "naive")
+    with pytest.warns(midair.SceneWarning, match="100 keep the order of the drives"):
+        midair.write(tmp_path / "b.holo", some)
