@@ -24,8 +24,8 @@ class Board:
         A kind of board that `midair boards` lists, such as "autd3", or a preset of one, such as
         "sonicsurface_pair". Or OpenMPD's board file .pat, two for a pair.
     array : midair.Array, optional
-        N transducers in the order of the board's preset, one board after the other. By default those of
-        the preset, or a grid for a kind without a preset.
+        N transducers in the order of the board's preset, one board after the other, each moved and turned;
+        or with pins. By default those of the preset, or a grid for a kind without a preset.
     tiles : (int, int), optional
         Boards along x and y of a preset that tiles, such as (2, 2).
     channels : (N,) or (C,) sequence of int, optional
@@ -38,7 +38,8 @@ class Board:
     Raises
     ------
     SceneError
-        For an unknown name or a file with an error. For another number of channels or corrections
+        For an unknown name or a file with an error. For an array in another order than the board, unless
+        `channels` states the wiring. For another number of channels or corrections
         than transducers, or than channels of the array. For more channels than the board has.
 
     See Also

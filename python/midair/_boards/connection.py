@@ -360,7 +360,8 @@ def connect(
         Or no device: "sonicsurface:loop" is as slow as its line, "sonicsurface:null" accepts frames at
         once, "null" is such an AUTD3, "file:frames.bin" writes the frames to a file.
     array : midair.Array, optional
-        The board's transducers, if they differ from its preset.
+        The board's transducers, if they differ from its preset; in its order, to 3 mm after a motion, or with
+        pins.
     board : midair.Board or str, optional
         A board of your own; a name if the address has none.
     hold : float, optional

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._boards.layout import Layout, turned
+from .._boards.layout import Layout
 from .._midair import Array
 from .._support.text import fault, text
 
@@ -47,13 +47,12 @@ def read(path: str | PathLike[str]) -> Layout:
                 path, None, f"rotation of board {index} has length {length:g}", "give a unit quaternion"
             )
     board = Array.preset("autd3")
-    own = board.positions - board.positions[0]
-    # A place (x, y, z) on a board is x e_x + y e_y + z e_z, where e are the rotated axes.
-    axes = np.stack([turned(turns, axis) for axis in np.eye(3).tolist()], axis=1)
-    positions = origins[:, None] / 1e3 + np.einsum("ni,bij->bnj", own, axes)
+    board = board.moved(translation=-board.positions[0])
+    poses = zip(turns, origins / 1e3, strict=True)
+    rig = Array.join([board.moved(rotation=turn, translation=origin) for turn, origin in poses])
     return Layout(
-        positions.reshape(-1, 3),
-        np.repeat(axes[:, 2], len(board), axis=0),
+        rig.positions,
+        rig.normals,
         source_pressure=board.source_pressure,
         directivity=board.directivity,
         quantization=board.quantization,
