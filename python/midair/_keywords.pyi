@@ -54,6 +54,8 @@ class Parts(TypedDict, total=False):
     """Whether each transducer is on; false means off."""
     channels: ArrayLike | None
     """Channel of each transducer, if several share one; by default that of the preset, or one for each transducer."""
+    pins: ArrayLike | None
+    """Channel of the boards that plays each transducer; by default the order of the transducers decides."""
     quantization: _Quantization | None
     """Phases and amplitudes that the board can play; by default those of the preset. {} allows any drive."""
 
@@ -75,6 +77,9 @@ class Radiating:
     @property
     def channels(self) -> NDArray[np.int64] | None:
         """Channel of each transducer, if several share one; by default that of the preset, or one for each transducer."""
+    @property
+    def pins(self) -> NDArray[np.int64] | None:
+        """Channel of the boards that plays each transducer; by default the order of the transducers decides."""
     @property
     def quantization(self) -> dict[str, int | NDArray[np.float64] | None] | None:
         """Phases and amplitudes that the board can play; by default those of the preset. {} allows any drive."""

@@ -71,9 +71,10 @@ def test_x_slow_on_a_sonicsurface_is_refused_or_put_in_order() -> None:
         midair.Board("sonicsurface", array)
     surface = midair.Board("sonicsurface")
     board = midair.Board("sonicsurface", array, channels=array.channels_by_place("sonicsurface"))
-    drive = midair.solve(midair.Scene(board.array, FOCUS, sound_speed=340.0, absorption=0.0), "naive").drive
-    played = surface.decode(board.encode(drive))
-    assert pressure(surface.array, played, FOCUS) == pytest.approx(2678, rel=0.03)
+    # The air of the board: an array of positions has that of the paper.
+    solution = midair.solve(midair.Scene(board.array, FOCUS, **surface.array.medium))
+    played = surface.decode(board.encode(solution))
+    assert pressure(surface.array, played, FOCUS) == pytest.approx(2678, rel=0.02)
 
 
 def test_the_pins_of_an_ultraino_file_are_played(tmp_path: Path) -> None:
@@ -90,13 +91,15 @@ def test_the_pins_of_an_ultraino_file_are_played(tmp_path: Path) -> None:
     ):
         assert np.array_equal(again.pins, array.pins)
     with midair.connect("mega64:loop", array=array) as mega:
-        mega.send(midair.solve(midair.Scene(mega.board.array, point)))
-        emitted = mega.emitting
-        frame = mega.board.encode(emitted)
-    # The pins of the board in their own order, at the places of the array.
-    at_pins = midair.Board("mega64").decode(frame)
-    assert pressure(mega.board.array, at_pins[array.pins], point) == pytest.approx(2100, rel=0.05)
-    assert pressure(mega.board.array, at_pins, point) < 300
+        solution = midair.solve(midair.Scene(mega.board.array, point))
+        mega.send(solution)
+        np.testing.assert_allclose(mega.emitting, solution.drive, atol=1e-6)
+        frame = mega.board.encode(mega.emitting)
+    # The drive of each pin, put at the transducer with this pin; and in the order of the file.
+    of_pins = midair.Board("mega64").decode(frame)
+    board = mega.board.array
+    assert pressure(board, of_pins[array.pins], point) == pytest.approx(abs(solution.pressures[0]), rel=1e-5)
+    assert pressure(board, of_pins, point) < 0.05 * abs(solution.pressures[0])
 
 
 def test_pins_of_a_file_that_are_no_channels_are_a_warning(tmp_path: Path) -> None:

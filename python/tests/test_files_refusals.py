@@ -310,6 +310,7 @@ def test_what_cannot_be_written_leaves_nothing(name: str, tmp_path: Path, kept: 
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.filterwarnings("ignore:AcousTools has boards of 256 transducers")
 @pytest.mark.parametrize("name", ["a.bin", "a.holo", "a.csv", "a0_Phase.csv", "a.npz"])
 def test_a_write_that_is_interrupted_leaves_the_file_as_it_was(
     name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path

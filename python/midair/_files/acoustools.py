@@ -106,7 +106,6 @@ def read(path: str | PathLike[str], data: bytes, array: Array | None = None) -> 
     if not 2 <= 2 * frames * transducers <= len(data):
         reported = f"{frames} frames of {transducers} transducers are stated, more than the file can contain"
         raise fault(path, line, reported, "get the file again")
-    order = csv_order(array, transducers)
     drives = np.empty((frames, transducers), np.complex64)
     frame = 0
     for line, cells in table:
@@ -114,11 +113,13 @@ def read(path: str | PathLike[str], data: bytes, array: Array | None = None) -> 
             raise fault(path, line, f"{frames} frames are stated and more are there", "get the file again")
         if len(cells) != transducers:
             raise fault(path, line, f"{len(cells)} phases", f"give one for each of {transducers} transducers")
-        drives[frame, order] = np.exp(1j * numbers(path, line, cells))
+        drives[frame] = np.exp(1j * numbers(path, line, cells))
         frame += 1
     if frame < frames:
         raise fault(path, line, f"{frames} frames are stated and {frame} are there", "get the file again")
-    return one_or_more(drives)
+    ordered = np.empty_like(drives)
+    ordered[:, csv_order(array, transducers)] = drives
+    return one_or_more(ordered)
 
 
 def write_holo(path: Path, drives: Played) -> None:
