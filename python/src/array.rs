@@ -215,18 +215,18 @@ impl Array {
     ///
     /// Parameters
     /// ----------
-    /// parts : sequence of midair.Array
+    /// arrays : sequence of midair.Array
     ///     Arrays of one frequency, directivity, source pressure and quantization. `moved` puts each in its place.
     ///
     /// Returns
     /// -------
     /// midair.Array
-    ///     The transducers of all parts in their order, with their responses, masks, channels and pins.
+    ///     The transducers of all arrays in their order, with their responses, masks, channels and pins.
     ///
     /// Raises
     /// ------
     /// SceneError
-    ///     For no part, and for parts that differ in frequency, transducer, quantization or wiring.
+    ///     For no array, and for arrays that differ in frequency, transducer, quantization or wiring.
     ///
     /// Examples
     /// --------
@@ -237,12 +237,12 @@ impl Array {
     /// >>> len(rig), midair.Board("autd3", rig).boards
     /// (498, 2)
     #[staticmethod]
-    fn join(parts: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let Ok(parts) = parts.extract::<Vec<Py<Self>>>() else {
-            return Err(invalid("parts", &quoted(parts), "give a list of arrays"));
+    fn join(arrays: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let Ok(arrays) = arrays.extract::<Vec<Py<Self>>>() else {
+            return Err(invalid("arrays", &quoted(arrays), "give a list of arrays"));
         };
-        let parts: Vec<_> = parts.iter().map(|part| part.get().inner.clone()).collect();
-        Ok(midair::Array::join(&parts).map_err(refused)?.into())
+        let arrays: Vec<_> = arrays.iter().map(|array| array.get().inner.clone()).collect();
+        Ok(midair::Array::join(&arrays).map_err(refused)?.into())
     }
 
     /// Return the names of the presets; `midair.presets()` describes them.
@@ -277,7 +277,7 @@ impl Array {
     /// >>> board = midair.Array.preset("sonicsurface")
     /// >>> turned = midair.Array(board.positions.reshape(16, 16, 3).swapaxes(0, 1).reshape(256, 3))
     /// >>> turned.channels_by_place("sonicsurface")[:3], midair.Board("sonicsurface").channels[:33:16]
-    /// (array([ 0,  4,  8]), array([0, 4, 8]))
+    /// (array([0, 4, 8]), array([0, 4, 8]))
     fn channels_by_place<'py>(&self, py: Python<'py>, kind: &str) -> PyResult<Bound<'py, PyArray1<i64>>> {
         let channels = self.inner.channels_by_place(kind).map_err(refused)?;
         Ok(list(py, channels.into_iter().map(|channel| i64::try_from(channel).unwrap_or(i64::MAX)).collect()))

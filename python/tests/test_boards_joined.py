@@ -78,23 +78,23 @@ def test_a_joined_array_has_the_parts_one_after_the_other() -> None:
 @pytest.mark.parametrize(
     ("parts", "reported"),
     [
-        ([], "parts is empty: give at least one array"),
+        ([], "arrays is empty: give at least one array"),
         (
             [BOARD, midair.Array.preset("paper20")],
-            r"parts\[1\] is of another frequency or air than parts\[0\]",
+            r"arrays\[1\] is of another frequency or air than arrays\[0\]",
         ),
         (
             [BOARD, midair.Array.preset("sonicsurface")],
-            r"parts\[1\] is of another transducer than parts\[0\]",
+            r"arrays\[1\] is of another transducer than arrays\[0\]",
         ),
-        ([BOARD, midair.Array.preset("autd3", quantization={})], r"parts\[1\] is of another quantization"),
-        ([BOARD, midair.Array.preset("ultraino_flat8x8")], r"parts\[1\] is of another frequency or air"),
-        ([BOARD, midair.Array.preset("autd3", pins=range(249))], r"parts\[1\] is of another wiring"),
+        ([BOARD, midair.Array.preset("autd3", quantization={})], r"arrays\[1\] is of another quantization"),
+        ([BOARD, midair.Array.preset("ultraino_flat8x8")], r"arrays\[1\] is of another frequency or air"),
+        ([BOARD, midair.Array.preset("autd3", pins=range(249))], r"arrays\[1\] is of another wiring"),
         (
             [midair.Array.preset("autd3", pins=range(249))] * 2,
             r"array\.pins\[249\] is 0: array\.pins\[0\] is the same",
         ),
-        (3, "parts is 3: give a list of arrays"),
+        (3, "arrays is 3: give a list of arrays"),
     ],
 )
 def test_parts_that_cannot_be_joined_are_one_line(parts: list[midair.Array], reported: str) -> None:

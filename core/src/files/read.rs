@@ -198,7 +198,7 @@ fn array(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {
     } else if let Some(parts) = table.get("part") {
         let one = |item: &Item<'_>| array(&item.table()?, source).map_err(|fault| fault.within("array", &item.path));
         let joined = Array::join(&parts.each(one, "give tables, each of an array")?);
-        joined.map_err(|error| Fault::from(error).within("parts", &parts.path))?
+        joined.map_err(|error| Fault::from(error).within("arrays", &parts.path))?
     } else {
         placed(table, source)?
     };

@@ -26,12 +26,12 @@ impl Array {
     /// ```
     pub fn join(parts: &[Self]) -> Result<Self, Error> {
         let Some(first) = parts.first() else {
-            return Err(Error::missing("parts", "empty", "give at least one array"));
+            return Err(Error::missing("arrays", "empty", "give at least one array"));
         };
         for (k, part) in parts.iter().enumerate().skip(1) {
             let differs = |what: &str| {
-                let cure = "give parts of one frequency, quantization and transducer, all with pins or none";
-                Err(Error::conflict(format!("parts[{k}]"), format!("of another {what} than parts[0]"), cure))
+                let cure = "give arrays of one frequency, quantization and transducer, all with pins or none";
+                Err(Error::conflict(format!("arrays[{k}]"), format!("of another {what} than arrays[0]"), cure))
             };
             match part {
                 _ if part.hardware() != first.hardware() => return differs("frequency or air"),
