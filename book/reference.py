@@ -30,7 +30,7 @@ PYTHON = [
         "solving",
         "Solving",
         "Methods compute a drive for a scene, for many scenes at once, or repeatedly.",
-        "solve Solution solve_batch Batch Solver solvers SolverInfo OptionInfo compare Comparison bound",
+        "solve Solution solve_batch Batch Solver solvers SolverInfo OptionInfo compare Comparison bound beam",
     ),
     (
         "judging",

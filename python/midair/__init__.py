@@ -77,6 +77,7 @@ if TYPE_CHECKING:
     from ._pictures.figures import style as style
     from ._pictures.notebook import solvers as solvers
     from ._pictures.plot import plot as plot
+    from ._points.beam import beam as beam
     from ._points.ear import Ear as Ear, ear as ear
     from ._points.image import Picture as Picture, image as image
     from ._sequence import (

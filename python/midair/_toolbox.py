@@ -40,6 +40,7 @@ HOMES = {
     "_pictures.notebook": "solvers",
     "_pictures.plot": "plot",
     "_pictures.figures": "style",
+    "_points.beam": "beam",
     "_points.ear": "Ear ear",
     "_points.image": "Picture image",
     "_sequence": "Felt Sequence SequenceMetrics sequence stream",

@@ -103,6 +103,9 @@ GROUPS: dict[str, dict[str, Call]] = {
         sequence, "path", "rate", "change", "change_rate", "tau", "ahead", "signature", "pressures", "closed"
     ),
     "modulated": {"frequency": SOLUTION.modulated},
+    "beam": keywords(
+        lambda **bad: midair.beam(ARRAY, **({"direction": [0, 0, 1]} | bad)), "direction", "apex", "angle"
+    ),
     "ear": keywords(lambda **bad: midair.ear(**({"position": [0, 0, 1]} | bad)), "position", "size", "step"),
     "still": keywords(
         lambda **bad: midair.path.still(**({"places": [0, 0, 0], "duration": 1} | bad)), "places", "duration"

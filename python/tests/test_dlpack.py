@@ -195,6 +195,7 @@ TAKE_ARRAYS: dict[str, Callable[[Wrap], Any]] = {
     "doctor": lambda w: (
         midair.doctor(FEW, lambda drive: w(read_out(drive)), microphones=w(MICROPHONES)).response
     ),
+    "beam": lambda w: midair.beam(SCENE, w(np.array([0, 0.1, 1.0]))),
     "ear": lambda w: midair.ear(w(np.array([0, 0, 0.1]))).points,
     "sequence": lambda w: midair.sequence(ARRAY, w(FRAMES), rate=1000, pressures=w(np.ones((4, 2)))).drives,
     "sequence of a list": lambda w: midair.sequence(ARRAY, list(map(w, FRAMES)), rate=1000).drives,

@@ -238,9 +238,9 @@ def _independent(received: Any, played: Complex, array: Array) -> int:
     """
     real = 2 if np.iscomplexobj(received) else 1
     if array.channels is None:
-        return received.size * real
+        return int(received.size * real)
     driven = len(np.unique(array.channels[np.any(played, axis=0)]))
-    return min(received.size * real, (2 * driven + real - 2) * received.shape[1])
+    return int(min(received.size * real, (2 * driven + real - 2) * received.shape[1]))
 
 
 def _room(transducers: int, others: int, readings: int) -> None:

@@ -18,6 +18,7 @@ Path(points=3, duration=0.02, closed=True)
 from .._midair import Path
 from .._support import slips as _slips
 from ._frames import from_array, read
+from ._gcode import gcode
 from ._kinds import circle, line, lissajous, morph, polyline, still, svg
 from ._optimal import fastest
 
@@ -26,6 +27,7 @@ __all__ = [
     "circle",
     "fastest",
     "from_array",
+    "gcode",
     "line",
     "lissajous",
     "morph",
