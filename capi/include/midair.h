@@ -176,9 +176,9 @@ midair_result midair_array_new(const double *positions,
                                char *message,
                                size_t message_size);
 
-// Makes a copy of an array that is rotated about the origin, then translated by x, y, z in m. The rotation has numbers: 3 of an
-// axis times the angle in rad, 4 of a quaternion w, x, y, z, or 9 of a matrix, row by row; NULL and 0 for none. translation may
-// be NULL. Air, lobe, responses and board stay.
+// Makes a copy of an array that is rotated about the origin, then translated by x, y, z in m. The rotation has numbers: 3 of
+// an axis times the angle in rad, 4 of a quaternion w, x, y, z, or 9 of a matrix, row by row; NULL and 0 for none. translation
+// may be NULL. Air, lobe, responses and board stay.
 midair_result midair_array_moved(const midair_array *from,
                                  const double *rotation,
                                  size_t numbers,
@@ -187,8 +187,8 @@ midair_result midair_array_moved(const midair_array *from,
                                  char *message,
                                  size_t message_size);
 
-// Makes one array of the transducers of count arrays, in their order. They must have the same frequency, transducers and phases
-// and amplitudes. The arrays may be freed afterwards.
+// Makes one array of the transducers of count arrays, in their order. They must have the same frequency, transducers and
+// phases and amplitudes. The arrays may be freed afterwards.
 midair_result midair_array_join(const midair_array *const *arrays,
                                 size_t count,
                                 midair_array **array,

@@ -147,7 +147,7 @@ impl Array {
     ///
     /// let places = Array::grid(4, 2, 10e-3)?.positions().iter().map(|&[x, y, z]| [-x, y, z]).collect();
     /// let backwards = Array::new(places, None)?;
-    /// assert!(backwards.board("nano").unwrap_err().to_string().starts_with("array is in another order than nano"));
+    /// assert!(backwards.board("nano").is_err_and(|error| error.to_string().contains("another order than nano")));
     /// assert_eq!(backwards.channels_by_place("nano")?, [3, 2, 1, 0, 7, 6, 5, 4]);
     /// # Ok::<(), midair::Error>(())
     /// ```
