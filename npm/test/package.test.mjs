@@ -159,7 +159,7 @@ test("bytes for a board, and its silence", () => {
   const [frame, silence] = [scene.encode("sonicsurface"), scene.silence("sonicsurface")];
   assert.ok(frame instanceof Uint8Array && frame.length > 256 && silence.length > 0);
   assert.throws(() => scene.encode("sonicsurfaces"), /sonicsurface/);
-  for (const other of ["openmpd", "autd3", "mega64"]) assert.throws(() => scene.encode(other), /^Error: (array|transducers) /);
+  for (const other of ["openmpd", "autd3", "nano"]) assert.throws(() => scene.encode(other), /^Error: (array|transducers) /);
   scene.free();
 });
 
