@@ -188,9 +188,10 @@ test("two boards at right angles focus where they should", () => {
     let [re, im] = [0, 0];
     for (let i = 0; i < drive.length / 2; i++) {
       const r = Math.hypot(x - positions[3 * i], focus[1] - positions[3 * i + 1], z - positions[3 * i + 2]);
-      const [cos, sin] = [Math.cos(k * r) / r, Math.sin(k * r) / r];
-      re += cos * drive[2 * i] - sin * drive[2 * i + 1];
-      im += cos * drive[2 * i + 1] + sin * drive[2 * i];
+      // The phases alone decide: with 1/r, the loudest place lies nearer to the boards.
+      const phase = k * r + Math.atan2(drive[2 * i + 1], drive[2 * i]);
+      re += Math.cos(phase);
+      im += Math.sin(phase);
     }
     return Math.hypot(re, im);
   };
