@@ -39,6 +39,8 @@ def test_a_random_order_is_refused_by_every_way_to_a_board(kind: str, tmp_path: 
             way()
         assert str(caught.value).startswith(reported)
         assert "\n" not in str(caught.value)
+    with pytest.raises(midair.SceneError, match="the drive was solved for an array whose transducer"):
+        board.encode(solution)
     elsewhere = pytest.raises(midair.SceneError, match="the drive was solved for an array whose transducer")
     with midair.connect(f"{kind}:null") as connection, elsewhere:
         connection.send(solution)

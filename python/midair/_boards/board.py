@@ -173,9 +173,14 @@ class Board:
         Raises
         ------
         SceneError
-            For a drive of another shape, not finite, above 1, or different within one channel.
+            For a drive of another shape, not finite, above 1, or different within one channel; for a solution
+            for transducers at other places or in another order.
         """
-        return self._codec.encode(drive.drive if isinstance(drive, Solution) else drive)
+        if isinstance(drive, Solution):
+            if drive.scene is not None:
+                self.array._check_drive_of(drive.scene.array)
+            drive = drive.drive
+        return self._codec.encode(drive)
 
     def _warn_of_silence(self, drive: ArrayLike | Solution, frame: bytes) -> None:
         """Warn if a frame turns all transducers off although its drive does not."""

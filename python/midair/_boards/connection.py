@@ -292,15 +292,12 @@ class Connection:
 
     def _encode(self, drive: ArrayLike | Solution) -> bytes:
         """Return a drive's frame; rejects drives above the limit and solutions for other transducers."""
-        if isinstance(drive, Solution):
-            if drive.scene is not None:
-                self.board.array._check_drive_of(drive.scene.array)
-            if drive.scale < 1 and not self._warned:
-                self._warned = True
-                warn_of_scale(drive.scale)
-        else:
+        if not isinstance(drive, Solution):
             refuse_real(drive)
         frame = self.board.encode(drive)
+        if isinstance(drive, Solution) and drive.scale < 1 and not self._warned:
+            self._warned = True
+            warn_of_scale(drive.scale)
         if self._limit is not None:
             self._limit.check(self.board.decode(frame))
         return frame
