@@ -76,10 +76,10 @@ pub(crate) fn paced<'py>(
 pub(crate) fn check_together<'py>(
     solver: &Bound<'py, PyAny>,
     tau: Argument<'_, 'py>,
-    options: &Bound<'py, PyDict>,
+    entries: &Bound<'py, PyDict>,
 ) -> PyResult<()> {
     let entry = solvers::find(&read::name(solver)?).map_err(refused)?;
-    let choice = Choice::new(entry.info.name.into(), read::options(Some(options))?).map_err(refused)?;
+    let choice = Choice::new(entry.info.name.into(), read::options(Some(entries))?).map_err(refused)?;
     pace(1.0, None, None, tau)?.together(&choice).map_err(refused)
 }
 
@@ -105,7 +105,7 @@ impl Moving {
     /// alone. `joined` says whether the end of a path is its start; None for frames that are no path.
     #[new]
     #[pyo3(signature = (
-        array, points, targets, solver, *, rate, pascals, joined, change, change_rate, tau, closed, ahead, aim, **options
+        array, points, targets, solver, *, rate, pascals, joined, change, change_rate, tau, closed, ahead, aim, **entries
     ))]
     #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
     fn new<'py>(
@@ -122,7 +122,7 @@ impl Moving {
         closed: Option<bool>,
         ahead: &Bound<'py, PyAny>,
         aim: Argument<'_, 'py>,
-        options: Option<&Bound<'py, PyDict>>,
+        entries: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Self> {
         let py = array.py();
         let Ok(array) = array.cast::<Array>() else {
@@ -138,7 +138,7 @@ impl Moving {
         })?;
         let (points, size) = read::batch_of_points("points", points)?;
         let targets = targets.map(|all| read::batch_of_numbers("targets", all, size)).transpose()?;
-        let keywords = Keywords::of(py, options)?;
+        let keywords = Keywords::of(py, entries)?;
         let medium = keywords.medium(None, array)?;
         let mut extras = Extras::default();
         keywords.write_extras(&mut extras, array.inner.len())?;

@@ -57,13 +57,13 @@ class Frames:
         self._scene = Scene(array, self._points[0], **medium)
 
     @classmethod
-    def solved(cls, moving: Moving, drives: Any) -> Self:
+    def _solved(cls, moving: Moving, drives: Any) -> Self:
         """Return the sequence of solved frames, with drives or codes (T, N) of the core."""
         made = cls.__new__(cls)
         made._scene, made._points, made._targets = moving.scene, moving.points, moving.targets
         made._rate, made._closed, made._change = moving.rate, moving.closed, moving.change
         made._quantization, made._solver = moving.quantization, moving.solver
-        phases = made._quantization["phases"] if drives.dtype.kind == "u" else None
+        phases = (made._quantization or {}).get("phases") if drives.dtype.kind == "u" else None
         made._drives = driven.Drives(drives, driven.sounding(moving.scene.array), phases)
         return made
 

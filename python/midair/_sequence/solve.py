@@ -134,15 +134,14 @@ def sequence(
     """
     callback(progress, "frames done, frames")
     frames = read(path, rate, pressures)
-    known = isinstance(path, Path)
     moving = Moving(
         array,
         frames.points,
         frames.targets,
         solver,
         rate=rate,
-        pascals=pressures is not None or (known and path.pascals),
-        joined=frames.closed if known else None,
+        pascals=pressures is not None or (isinstance(path, Path) and path.pascals),
+        joined=frames.closed if isinstance(path, Path) else None,
         change=change,
         change_rate=change_rate,
         tau=tau,
@@ -160,7 +159,7 @@ def sequence(
         own = {name: value for name, value in options.items() if name not in AIR}
         solved = store.solved(resume, moving, {"tau": tau, "options": own}, BLOCK, progress)
     else:
-        solved = Sequence.solved(moving, _drives(moving, progress))
+        solved = Sequence._solved(moving, _drives(moving, progress))
     moving.warn_of_pulls(solved.drive)
     return solved
 
@@ -170,7 +169,8 @@ def _drives(moving: Moving, progress: Callable[[int, int], object] | None) -> ND
     total = len(moving)
     if moving.ahead is None:
         step = None if progress is None else lambda step, steps, _: progress(step, steps)
-        return moving.block(0, total, step)
+        drives: NDArray[Any] = moving.block(0, total, step)
+        return drives
     blocks = []
     for first in range(0, total, BLOCK):
         stop = min(first + BLOCK, total)
@@ -346,8 +346,8 @@ def _ahead(
             # No list is as long as the largest number.
             horizon = Horizon(Scene(array, points, **options), change, min(ahead, sys.maxsize >> 1), aim)
         horizon.push(points, pressures)
-        if not horizon.wanted:
-            yield horizon.advance()
+        if not horizon.wanted and (drive := horizon.advance()) is not None:
+            yield drive
     while horizon is not None and (drive := horizon.advance()) is not None:
         yield drive
 

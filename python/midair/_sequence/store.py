@@ -138,7 +138,7 @@ class Pieces:
 def _assemble(target: Path, pieces: Pieces, moving: Moving, block: int) -> None:
     """Write the file as `Sequence.save` does, copying the drives piece by piece."""
     shape = (len(moving), len(moving.scene.array))
-    setting = Sequence.solved(moving, np.empty((0, shape[1]), np.complex64)).setting()
+    setting = Sequence._solved(moving, np.empty((0, shape[1]), np.complex64)).setting()
     small = {
         "points": moving.points,
         "targets": moving.targets,
