@@ -1,5 +1,6 @@
 """Motion files: their frames, their drives and the bytes of a board are those of the package."""
 
+from ctypes import c_void_p
 from pathlib import Path
 
 import numpy as np
@@ -126,9 +127,9 @@ def test_what_is_no_motion_is_refused(library: Library) -> None:
 def test_points_that_are_too_fast_are_reported_as_by_the_package(library: Library, tmp_path: Path) -> None:
     text = FILES["circle"].replace("frequency = 20.0", "frequency = 50.0")
     handle = np.zeros(1, np.uintp)
-    _, said = library.call("session_open", text, None, handle)
-    library.plain("session_free", int(handle[0]))
+    said = library.done("session_open", text, None, handle)
+    library.plain("session_free", c_void_p(int(handle[0])))
     (tmp_path / "motion.toml").write_text(text)
-    with pytest.warns(midair.SceneWarning, match="m/s needs") as reported:
+    with pytest.warns(midair.SceneWarning) as reported:
         document.read(tmp_path / "motion.toml").solve()
-    assert said == str(reported[0].message)
+    assert [said] == [str(each.message) for each in reported if "m/s needs" in str(each.message)]
