@@ -81,7 +81,11 @@ impl Mesh {
     /// scale : float, optional
     ///     Length of the file's unit in m: 1e-3 for millimetres.
     /// offset : (3,) array_like, optional
-    ///     Vector in m that is added after scaling.
+    ///     Vector in m that is added after scaling and rotating.
+    /// rotation : (3,), (4,) or (3, 3) array_like, optional
+    ///     Rotation about the file's origin: axis times angle in rad, quaternion w, x, y, z, or matrix.
+    /// up : {"x", "y", "z"}, optional
+    ///     Axis of the file that becomes z; by default "y" for .glb, as glTF defines it, else "z".
     /// kind : {"rigid", "soft"}, optional
     ///     Boundary condition, as for `Mesh`.
     ///
@@ -95,18 +99,20 @@ impl Mesh {
     /// SceneError
     ///     For a missing file, one that cannot be read or has no closed surface, and where trimesh is missing.
     #[staticmethod]
-    #[pyo3(signature = (path, *, scale=None, offset=None, kind="rigid"))]
+    #[pyo3(signature = (path, *, scale=None, offset=None, rotation=None, up=None, kind="rigid"))]
     fn from_file(
         py: Python<'_>,
         path: &Bound<'_, PyAny>,
         scale: Option<&Bound<'_, PyAny>>,
         offset: Option<&Bound<'_, PyAny>>,
+        rotation: Option<&Bound<'_, PyAny>>,
+        up: Option<&str>,
         kind: &str,
     ) -> PyResult<Self> {
         let kind = surface("kind", kind)?;
         let scale = read::real_or("scale", scale, 1.0)?;
         let offset = offset.map_or(Ok([0.0; 3]), |offset| read::place("offset", offset))?;
-        let read = toolbox::call(py, "mesh_file", (path, scale, offset))?;
+        let read = toolbox::call(py, "mesh_file", (path, scale, offset, rotation, up))?;
         let (vertices, faces): (Bound<'_, PyAny>, Bound<'_, PyAny>) = read.extract()?;
         Self::of(read::vectors("mesh.vertices", &vertices)?, indices(&faces)?, kind)
     }

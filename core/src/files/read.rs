@@ -102,7 +102,7 @@ fn obstacles(all: &Item<'_>, draw: &mut Draw<'_>) -> Result<Vec<Obstacle>, Fault
 }
 
 /// The keys of a mesh: either listed in the document, or in a file.
-const MESH: [&[&str]; 2] = [&["vertices", "faces"], &["file", "scale", "offset"]];
+const MESH: [&[&str]; 2] = [&["vertices", "faces"], &["file", "scale", "offset", "rotation", "up"]];
 
 /// Reads a wall or sphere or mesh; the given keys decide which.
 fn obstacle(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Obstacle, Fault> {

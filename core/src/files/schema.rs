@@ -205,6 +205,12 @@ const TABLES: &[Table] = &[
             ),
             Key::new("scale", "1e-3", "Of a mesh's file: length of its unit in m."),
             Key::new("offset", "[0.0, 0.0, 0.1]", "Of a mesh's file: position of its origin in m."),
+            Key::new(
+                "rotation",
+                "[0.0, 0.0, 1.5708]",
+                "Of a mesh's file: rotation about its origin, as axis times angle in rad, quaternion w, x, y, z, or matrix.",
+            ),
+            Key::new("up", r#""y""#, "Of a mesh's file: its axis that becomes z; default y for .glb, else z."),
         ],
     ),
     (

@@ -160,7 +160,7 @@ fn closed(faces: &[[u32; 3]], name: impl Fn(usize) -> String) -> Result<(), Erro
     for ([a, b], f) in &edges {
         if !edges.contains_key(&[*b, *a]) {
             let value = format!("beside a hole, along its edge [{a}, {b}]");
-            let cure = "close the surface, or merge vertices that are the same: waves would leak into it";
+            let cure = "close the surface, or merge vertices that are the same; for a sheet give a thin box, or a wall if it is large";
             return Err(Error::invalid(name(*f), value, cure));
         }
     }

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import os
+import re
 import tomllib
 from collections.abc import Callable
 from inspect import Parameter, signature
@@ -12,8 +14,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import SceneError, memory_limit, restated, stated
-from .._support.arguments import needs, number, path_of, refused, vector, word
+from .._midair import SceneError, memory_limit, numbers, restated, stated
+from .._support.arguments import needs, number, path_of, refused, shown, vector, warn, word
+from .._support.text import content
 from ..shape import svg, text
 from ..shape._figures import Points
 from ..shape._vector_graphics import one_outline
@@ -26,8 +29,16 @@ ENDINGS = (".stl", ".obj", ".ply", ".off", ".glb")
 EACH = 16
 
 
+#: Axis of a file that points up: the order of its coordinates in a frame with z up, and their signs.
+UP = {"x": ([1, 2, 0], [1, 1, 1]), "y": ([0, 2, 1], [1, -1, 1]), "z": ([0, 1, 2], [1, 1, 1])}
+
+
 def read(
-    path: str | os.PathLike[str], scale: float = 1.0, offset: Any = (0.0, 0.0, 0.0)
+    path: str | os.PathLike[str],
+    scale: float = 1.0,
+    offset: Any = (0.0, 0.0, 0.0),
+    rotation: Any = None,
+    up: str | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return vertices (V, 3) in m without duplicates, and faces (F, 3), of all bodies of a file together.
 
@@ -36,12 +47,16 @@ def read(
     scale
         Length of the file's unit in m.
     offset
-        Vector (3,) in m that is added after scaling.
+        Vector (3,) in m that is added after scaling and rotating.
+    rotation
+        Rotation about the origin: axis times angle in rad (3,), quaternion w, x, y, z (4,), matrix (3, 3).
+    up
+        Axis of the file that becomes z: "x", "y" or "z"; by default "y" for glTF (its standard), else "z".
     """
     scale = number("scale", scale, least=0)
     if scale == 0:
         raise refused("scale", scale, "give the metres of the file's unit, such as 1e-3")
-    away = vector("offset", offset)
+    away, turn = vector("offset", offset), _rotation(rotation)
     file = path_of("path", path)
     trimesh = library()
     if not file.is_file():
@@ -54,7 +69,8 @@ def read(
         cure = f"it needs {needed >> 20} MB of {memory_limit() >> 20} allowed, give one of fewer faces"
         raise refused("path", file, cure)
     try:
-        found = trimesh.load(file, file_type=ending[1:], force="mesh", process=False)
+        data = io.BytesIO(_trimmed(content(file, empty=True), ending))
+        found = trimesh.load(data, file_type=ending[1:], force="mesh", process=False)
         if not len(getattr(found, "faces", ())):
             raise refused("path", file, "it has no faces, give a surface")
         if not np.isfinite(found.vertices).all():
@@ -67,10 +83,78 @@ def read(
         reported = _formats(f"trimesh cannot read it ({reason(error)})")
         raise refused("path", file, reported) from None
     vertices, faces = np.asarray(found.vertices, float), np.asarray(found.faces, np.int64)
+    faces = _joined(vertices, faces)
     # Faces with two equal corners have no area and are left out; the mesh stays closed without them.
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
-    with np.errstate(over="ignore"):
-        return vertices * scale + away, faces
+    _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+    if copies := len(faces) - len(first):
+        warn(f"{shown(path)}: {copies} copies of faces are left out")
+    faces = faces[np.sort(first)]
+    if up not in (None, *UP):
+        raise refused("up", up, 'give "x", "y" or "z", the axis of the file that becomes z')
+    order, signs = UP[up or ("y" if ending == ".glb" else "z")]
+    with np.errstate(over="ignore", invalid="ignore"):
+        return vertices[:, order] * signs * scale @ turn.T + away, faces
+
+
+def _rotation(given: Any) -> Points:
+    """Return the matrix (3, 3) of a rotation."""
+    if given is None:
+        return np.eye(3)
+    with needs("a rotation needs SciPy", "mesh"):
+        from scipy.spatial.transform import Rotation
+    cure = "give axis times angle in rad (3,), a quaternion w, x, y, z (4,), or a matrix (3, 3)"
+    found = numbers("rotation", given, [(3,), (4,), (3, 3)], cure).copy()
+    if found.shape == (3,):
+        return np.asarray(Rotation.from_rotvec(found).as_matrix())
+    if found.shape == (4,) and found.any():
+        return np.asarray(Rotation.from_quat(np.roll(found, -1)).as_matrix())
+    if (
+        found.shape == (3, 3)
+        and np.allclose(found @ found.T, np.eye(3), atol=1e-6)
+        and np.linalg.det(found) > 0
+    ):
+        return found
+    raise refused("rotation", found, cure)
+
+
+def _trimmed(data: bytes, ending: str) -> bytes:
+    """Return a file without the bytes behind its last face, where its format states its length."""
+    if ending == ".glb":
+        return data[: int.from_bytes(data[8:12], "little")]
+    if ending == ".stl":
+        # In a file of text, the four bytes are letters: more faces than it could have.
+        most = 84 + 50 * int.from_bytes(data[80:84], "little")
+        if 84 <= most <= len(data) or data.lstrip()[:5].lower() != b"solid":
+            return data[:most]
+    if ending == ".ply":
+        head, mark, body = data.partition(b"end_header")
+        if b"format ascii" not in head:
+            return data
+        counts = [int(count) for count in re.findall(rb"element \w+ (\d+)", head)]
+        return b"\n".join([head + mark, *body.split(b"\n")[1 : sum(counts) + 1], b""])
+    return data.decode("utf-8", "replace").encode()
+
+
+def _joined(vertices: Points, faces: Faces) -> Faces:
+    """Return faces whose corners are one vertex where they differ by rounding.
+
+    They are joined within a tenth of the shortest edge, but within 1e-6 to 1e-4 of the size of the mesh.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import KDTree
+
+    edges = np.linalg.norm(vertices[faces] - vertices[np.roll(faces, 1, axis=1)], axis=2)
+    size = float(np.ptp(vertices, axis=0).max())
+    near = np.clip(0.1 * edges[edges > 0].min(initial=np.inf), 1e-6 * size, 1e-4 * size)
+    pairs = KDTree(vertices).query_pairs(near, output_type="ndarray")
+    if not len(pairs):
+        return faces
+    graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(len(vertices),) * 2)
+    _, groups = connected_components(graph, directed=False)
+    _, first = np.unique(groups, return_index=True)
+    return np.asarray(first[groups][faces])
 
 
 def _formats(wrong: str) -> str:
