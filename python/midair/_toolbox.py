@@ -95,6 +95,7 @@ CALLED = {
     "points": ("_points.drawn", "points"),
     "mesh": ("_points.drawn", "mesh"),
     "outline": ("_points.drawn", "outline"),
+    "array_of": ("_files.reading", "array_of"),
     "mesh_file": ("_points.drawn", "read"),
     "write": ("_support.output", "write"),
     "warn": ("_support.arguments", "warn"),

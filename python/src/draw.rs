@@ -6,6 +6,7 @@ use midair::Request;
 use midair::files::{self, Drawing, Format, Source};
 use pyo3::prelude::*;
 
+use crate::array::Array;
 use crate::error::{SceneError, error_of, refused};
 use crate::mesh::indices;
 use crate::read;
@@ -50,8 +51,12 @@ fn drawn<T>(
     other.map_or_else(|| result.map_err(refused), Err)
 }
 
-/// Returns the points of a table, the mesh of an obstacle's file, or the outline of a path.
+/// Returns the points of a table, the mesh of an obstacle's file, the outline of a path, or the array of a file.
 fn drawing(py: Python<'_>, name: &str, text: &str, folder: Option<&Path>) -> PyResult<Drawing> {
+    if name == "array.positions" {
+        let array = toolbox::call(py, "array_of", (text, folder))?;
+        return Ok(Drawing::Array(array.extract::<PyRef<'_, Array>>()?.inner.clone()));
+    }
     if !matches!(name, "obstacles" | "motion.path") {
         return points(py, name, text, folder).map(|(points, request)| Drawing::Points(points, request));
     }

@@ -11,20 +11,25 @@ use crate::{give, read};
 /// Line number of each row (R,), and the rows (R, C) in the order of the names.
 type Read<'py> = (Bound<'py, PyArray1<usize>>, Bound<'py, PyArray2<f64>>);
 
-/// Reads the table in a file's text; `name` is its name in errors. `names` are the columns, by default those of positions.
+/// Reads the table in a file's bytes; `name` is its name in errors. `names` are the columns, by default those of positions,
+/// and `optional` further ones, which are NaN where they are missing.
 #[pyfunction(name = "read_table")]
-#[pyo3(signature = (text, name, names=None, units="in metres", example=""))]
+#[pyo3(signature = (text, name, names=None, optional=None, units="in metres", example=""))]
 pub(crate) fn table<'py>(
     py: Python<'py>,
     text: &[u8],
     name: &str,
     names: Option<Vec<String>>,
+    optional: Option<Vec<String>>,
     units: &str,
     example: &str,
 ) -> PyResult<Read<'py>> {
     let names: Option<Vec<&str>> = names.as_ref().map(|names| names.iter().map(String::as_str).collect());
+    let optional = optional.unwrap_or_default();
+    let optional: Vec<&str> = optional.iter().map(String::as_str).collect();
     let choices = names.as_deref().map(|names| [names]);
-    let columns = choices.as_ref().map_or(POSITIONS, |choices| Columns { choices, units, example });
+    let own = |choices| Columns { choices, optional: &optional, units, example };
+    let columns = choices.as_ref().map_or(POSITIONS, |choices| own(choices));
     let table = read_table(text, name, columns).map_err(refused)?;
     let rows =
         PyArray2::from_vec2(py, &table.rows).map_err(|error| refused(midair::Error::invalid("text", error, "")))?;

@@ -1,10 +1,19 @@
-//! Tables of numbers as text: rows with commas, semicolons or tabs. Columns are found by name or by their number.
+//! Tables of numbers: text with columns, lists in JSON, or .npy. Columns are found by name or by their number.
 
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 use crate::error::{Error, ErrorCode, Notice, one_line};
+use crate::files::{json, npy};
+
+/// The units that the name of a column may have, the columns that have them, and their size in SI.
+const UNITS: &[(&[&str], &[(&str, f64)])] = &[
+    (&["x", "y", "z"], &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("\u{b5}m", 1e-6)]),
+    (&["phase"], &[("rad", 1.0), ("deg", core::f64::consts::PI / 180.0)]),
+    (&["pressure"], &[("pa", 1.0), ("kpa", 1e3)]),
+    (&["t"], &[("s", 1.0), ("ms", 1e-3)]),
+];
 
 /// The columns that a kind of file may have.
 #[derive(Clone, Copy, Debug)]
@@ -12,6 +21,8 @@ use crate::error::{Error, ErrorCode, Notice, one_line};
 pub struct Columns<'a> {
     /// Alternative lists of column names, the shorter first.
     pub choices: &'a [&'a [&'a str]],
+    /// Columns that may follow; their value is NaN where they are missing.
+    pub optional: &'a [&'a str],
     /// The units, for error messages: `in metres`.
     pub units: &'a str,
     /// A correct row, for error messages.
@@ -24,12 +35,16 @@ pub struct Columns<'a> {
 pub struct Table {
     /// The line of each row, counted from 1.
     pub lines: Vec<usize>,
-    /// Rows of finite numbers, all of the same length.
+    /// Rows of finite numbers, all of the same length; NaN for an optional column that is missing.
     pub rows: Vec<Vec<f64>>,
 }
 
-/// Reads a table. If the first row contains names, they identify the columns; otherwise the number of columns does. Skips empty
-/// lines and lines that begin with #. Ignores columns with other names.
+/// Reads a table: text, or a list of rows in JSON, or an .npy of shape (N, C).
+///
+/// In text, semicolons, tabs, commas or spaces separate the cells; without commas between them, numbers may have decimal commas.
+/// If the first row contains names, they identify the columns; otherwise the number of columns does. A name may have a unit, as
+/// `x (mm)` or `x_mm`; the numbers are converted to SI. Skips empty lines and lines that begin with #, % or //. Ignores columns
+/// with other names.
 ///
 /// # Errors
 /// Text that is not UTF-8, no row; a column that is missing or there twice; a cell that is not a finite number. Each error
@@ -38,74 +53,121 @@ pub struct Table {
 /// ```
 /// use midair::files::{Columns, read_table};
 ///
-/// let columns = Columns { choices: &[&["x", "y", "z"]], units: "in metres", example: "0.01,0.0,0.0" };
+/// let columns = Columns { choices: &[&["x", "y", "z"]], optional: &[], units: "in metres", example: "0.01,0.0,0.0" };
 /// let table = read_table(b"z;x;y\n0.1;0.0;0.2", "bowl.csv", columns)?;
 /// assert_eq!(table.rows, [[0.0, 0.2, 0.1]]);
 /// # Ok::<(), midair::Error>(())
 /// ```
 pub fn read_table(bytes: &[u8], name: &str, columns: Columns<'_>) -> Result<Table, Error> {
-    let Ok(text) = core::str::from_utf8(bytes) else {
+    let none = |value: &str| {
         let (row, units) = (columns.choices[0].join(","), columns.units);
         let cure = format!("give rows of {row} {units}, for example {}", columns.example);
-        return Err(fault(name, None, unreadable("", "not text", cure)));
+        fault(name, None, unreadable("", value, cure))
     };
+    if let Some(array) = npy::read(bytes) {
+        let array = array.map_err(|cure| fault(name, None, unreadable("", "no table", cure)))?;
+        let (&[_, width], false) = (&*array.shape, array.numbers.is_empty()) else {
+            return Err(none(&format!("an array of shape {:?}", array.shape)));
+        };
+        return columns
+            .plain(array.numbers.chunks(width).map(<[f64]>::to_vec).collect(), name)
+            .ok_or_else(|| none("empty"))?;
+    }
+    let Ok(text) = core::str::from_utf8(bytes) else { return Err(none("not text")) };
     let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n");
+    if text.trim_start().starts_with('[') {
+        let rows = json::rows(&text)
+            .map_err(|reason| fault(name, None, unreadable("", &reason, "give [[x, y, z], ...]".into())))?;
+        return columns.plain(rows, name).ok_or_else(|| none("empty"))?;
+    }
     let mut table = Table::default();
-    // The chosen names and the index of each column, found in the first row.
-    let mut chosen: Option<Chosen<'_>> = None;
+    // The chosen columns, found in the first row.
+    let mut chosen: Option<Vec<Column<'_>>> = None;
     for (index, line) in text.split('\n').enumerate() {
-        if line.trim().is_empty() || line.trim_start().starts_with('#') {
+        if ["#", "%", "//"].iter().any(|mark| line.trim_start().starts_with(mark)) {
             continue;
         }
         let refused = |mut error: Error| {
             error.cure = format!("{}, for example {}", error.cure, columns.example);
             fault(name, Some(index + 1), error)
         };
-        let cells = cells(line);
+        // A unit stays with its name where spaces separate the names.
+        let line = line.replace(" (", "(").replace(" [", "[");
+        let cells = cells(&line);
+        if cells.is_empty() {
+            continue;
+        }
         if chosen.is_none() {
-            let header = cells[0].parse::<f64>().is_err();
+            let header = decimal(cells[0]).is_none();
             let choice = if header { columns.named(&cells) } else { columns.counted(cells.len()) };
             chosen = Some(choice.map_err(refused)?);
             if header {
                 continue;
             }
         }
-        let number = |(name, column): &(&str, usize)| {
-            let cell = cells.get(*column).copied().unwrap_or_default();
-            let number = cell.parse::<f64>().ok().filter(|number| number.is_finite());
-            number.ok_or_else(|| refused(unreadable(name, &format!("\"{cell}\""), "give a number".into())))
+        let number = |column: &Column<'_>| {
+            let Some(at) = column.at else { return Ok(f64::NAN) };
+            let cell = cells.get(at).copied().unwrap_or_default();
+            let number = decimal(cell).filter(|number| number.is_finite());
+            let wrong = || refused(unreadable(column.name, &format!("\"{cell}\""), "give a number".into()));
+            number.map(|number| number * column.unit).ok_or_else(wrong)
         };
         table.rows.push(chosen.iter().flatten().map(number).collect::<Result<_, _>>()?);
         table.lines.push(index + 1);
     }
     if table.rows.is_empty() {
-        let row = columns.choices[0].join(",");
-        let cure = format!("give rows {row} {}, for example {}", columns.units, columns.example);
-        return Err(fault(name, None, unreadable("", "empty", cure)));
+        return Err(none("empty"));
     }
     Ok(table)
 }
 
-/// The names that are read, each with the index of its column.
-type Chosen<'a> = Vec<(&'a str, usize)>;
+/// A column that is read: its name, its index in the file if it is there, and its unit in SI.
+struct Column<'a> {
+    name: &'a str,
+    at: Option<usize>,
+    unit: f64,
+}
 
 impl<'a> Columns<'a> {
     fn or(&self) -> String {
         self.choices.iter().map(|names| names.join(",")).collect::<Vec<_>>().join(" or ")
     }
 
+    /// A table of rows without names; `None` if it is empty.
+    fn plain(&self, mut rows: Vec<Vec<f64>>, name: &str) -> Option<Result<Table, Error>> {
+        let count = rows.first()?.len();
+        let wrong = |row: &Vec<f64>| row.len() != count || row.iter().any(|x| !x.is_finite());
+        if let Some(index) = rows.iter().position(wrong) {
+            let error = unreadable(
+                &format!("row {index}"),
+                &format!("{:?}", rows[index]),
+                format!("give {count} finite numbers"),
+            );
+            return Some(Err(fault(name, None, error)));
+        }
+        let chosen = self.counted(count).map_err(|error| fault(name, None, error));
+        Some(chosen.map(|chosen| {
+            rows.iter_mut().for_each(|row| row.resize(chosen.len(), f64::NAN));
+            Table { lines: (1..=rows.len()).collect(), rows }
+        }))
+    }
+
     /// The columns of a table without names, by their number.
-    fn counted(&self, count: usize) -> Result<Chosen<'a>, Error> {
-        let fits = self.choices.iter().find(|names| names.len() == count);
-        let fits = fits.map(|names| names.iter().copied().zip(0..).collect());
-        let cure = || format!("give {} {}", self.or(), self.units);
-        fits.ok_or_else(|| unreadable("", &format!("{count} columns"), cure()))
+    fn counted(&self, count: usize) -> Result<Vec<Column<'a>>, Error> {
+        let fits = |names: &&&[&str]| (names.len()..=names.len() + self.optional.len()).contains(&count);
+        let Some(names) = self.choices.iter().rev().find(fits) else {
+            return Err(unreadable("", &format!("{count} columns"), format!("give {} {}", self.or(), self.units)));
+        };
+        let all = names.iter().chain(self.optional).enumerate();
+        Ok(all.map(|(at, &name)| Column { name, at: (at < count).then_some(at), unit: 1.0 }).collect())
     }
 
     /// The columns of a table whose first row is `cells`, a row of names.
-    fn named(&self, cells: &[&str]) -> Result<Chosen<'a>, Error> {
-        let places =
-            |name: &str| (0..cells.len()).filter(|&at| cells[at].eq_ignore_ascii_case(name)).collect::<Vec<_>>();
+    fn named(&self, cells: &[&str]) -> Result<Vec<Column<'a>>, Error> {
+        let places = |name: &str| {
+            let each = cells.iter().enumerate();
+            each.filter_map(|(at, cell)| Some((at, unit(cell, name)?))).collect::<Vec<_>>()
+        };
         // Whether the first row contains a name that no shorter list of names has. Lists are tried from the longest
         // down.
         let begun = |names: &&&[&str]| {
@@ -117,14 +179,22 @@ impl<'a> Columns<'a> {
         };
         let names = self.choices.iter().rev().find(begun).unwrap_or(&self.choices[0]);
         let mut chosen = Vec::new();
-        for &name in *names {
+        for &name in names.iter().chain(self.optional) {
             let cure = || format!("name them {}, {}", self.or(), self.units);
-            match places(name).as_slice() {
+            match &*places(name) {
+                [] if self.optional.contains(&name) => chosen.push(Column { name, at: None, unit: 1.0 }),
                 [] => {
                     let error = Notice::new(ErrorCode::Unreadable, "columns", cells.join(", "), cure());
                     return Err(Error::of(error.verb("are")));
                 }
-                [place] => chosen.push((name, *place)),
+                [(at, Some(unit))] => chosen.push(Column { name, at: Some(*at), unit: *unit }),
+                [(at, None)] => {
+                    let units =
+                        UNITS.iter().find(|(names, _)| names.contains(&name)).map_or(&[][..], |(_, units)| units);
+                    let units = units.iter().map(|(unit, _)| *unit).collect::<Vec<_>>().join(", ");
+                    let cure = if units.is_empty() { "give it without a unit".into() } else { format!("give {units}") };
+                    return Err(unreadable("column", &format!("\"{}\", whose unit is unknown", cells[*at]), cure));
+                }
                 _ => return Err(unreadable(&format!("column \"{name}\""), "there twice", cure())),
             }
         }
@@ -132,9 +202,43 @@ impl<'a> Columns<'a> {
     }
 }
 
+/// The unit in SI of a cell that names a column, as `x`, `X (mm)`, `x_mm` or `x in mm`; `None` if it names another column,
+/// `Some(None)` if its unit is unknown.
+fn unit(cell: &str, name: &str) -> Option<Option<f64>> {
+    let (start, rest) = cell.split_at_checked(name.len())?;
+    if !start.eq_ignore_ascii_case(name) || !(rest.is_empty() || rest.starts_with([' ', '(', '[', '_', '/'])) {
+        return None;
+    }
+    let bare = rest.trim_matches([' ', '(', ')', '[', ']', '_', '/', '.']).to_lowercase();
+    let bare = bare.strip_prefix("in ").unwrap_or(&bare);
+    if bare.is_empty() {
+        return Some(Some(1.0));
+    }
+    let units = UNITS.iter().filter(|(names, _)| names.contains(&name)).flat_map(|(_, units)| *units);
+    let size = units.into_iter().find(|(unit, _)| *unit == bare).map(|(_, size)| *size);
+    (size.is_some() || rest.contains(['(', '['])).then_some(size)
+}
+
+/// Reads a number, which may have a decimal comma.
+fn decimal(cell: &str) -> Option<f64> {
+    let comma = || if cell.contains('.') { None } else { cell.replacen(',', ".", 1).parse().ok() };
+    cell.parse().ok().or_else(comma)
+}
+
+/// The cells of a line, without empty ones at its end.
 fn cells(line: &str) -> Vec<&str> {
-    let separator = [';', '\t'].into_iter().find(|separator| line.contains(*separator)).unwrap_or(',');
-    line.split(separator).map(|cell| cell.trim().trim_matches('"').trim()).collect()
+    let spaced = || line.split_whitespace();
+    let separator = [';', '\t', ','].into_iter().find(|separator| line.contains(*separator));
+    let mut cells: Vec<&str> = match separator {
+        // Decimal commas between spaces; "1, 2, 3" has commas at the ends instead.
+        Some(',') if spaced().count() > 1 && spaced().all(|cell| decimal(cell).is_some()) => spaced().collect(),
+        Some(separator) => line.split(separator).map(|cell| cell.trim().trim_matches('"').trim()).collect(),
+        None => spaced().map(|cell| cell.trim_matches('"')).collect(),
+    };
+    while cells.last().is_some_and(|cell| cell.is_empty()) {
+        cells.pop();
+    }
+    cells
 }
 
 /// Returns an error in a file, in a line of it if that is known.

@@ -12,7 +12,7 @@ use crate::files::item::{Item, Table};
 use crate::files::node::Node;
 use crate::files::shape::shape;
 use crate::files::write;
-use crate::scene::Request;
+use crate::scene::{Array, Request};
 
 /// The result of drawing a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,10 +24,12 @@ pub enum Drawing {
     Mesh(Vec<[f64; 3]>, Vec<[u32; 3]>),
     /// The corners (K, 3) in m of the outline that a point of a `motion.path` follows, and whether it is closed.
     Outline(Vec<[f64; 3]>, bool),
+    /// The array in the file of `array.positions`, whose format the core does not read.
+    Array(Array),
 }
 
 /// A function that draws a table. Its first argument is the table's name: `shape` (of texts and drawings), `image`,
-/// `obstacles` or `motion.path` (of drawings). Its second argument contains the table's keys as TOML.
+/// `obstacles`, `motion.path` (of drawings) or `array.positions` (of formats other than tables). Its second argument contains the table's keys as TOML.
 ///
 /// If the item of an error is a key of the table, the place of that key in the document is added.
 pub type Draw<'a> = dyn FnMut(&str, &str) -> Result<Drawing, Error> + 'a;
@@ -50,7 +52,7 @@ pub(super) fn undrawn(_name: &str, _text: &str) -> Result<Drawing, Error> {
 
 /// The tables in a document that may need a drawing function: shapes, images and obstacles.
 pub(super) fn tables(document: &Node) -> impl Iterator<Item = &Node> {
-    NAMES.iter().chain(&["obstacles"]).filter_map(|name| document.get(name)).flat_map(|node| match node {
+    NAMES.iter().chain(&["obstacles", "points"]).filter_map(|name| document.get(name)).flat_map(|node| match node {
         Node::List(list) => list.as_slice(),
         single => core::slice::from_ref(single),
     })

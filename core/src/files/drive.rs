@@ -17,6 +17,7 @@ const ROUNDING: f64 = 1e-6;
 /// The columns that are read; positions and other columns are ignored.
 const COLUMNS: Columns<'_> = Columns {
     choices: &[&["amplitude", "phase"], &["index", "amplitude", "phase"]],
+    optional: &[],
     units: "with phases in rad",
     example: "0,1.0,0.0",
 };

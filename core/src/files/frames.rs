@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 
 use crate::error::Error;
 use crate::files::csv::{self, Columns};
+use crate::files::npy::{self, Npy};
 use crate::files::source::Source;
 
 /// Frames of points: points (T, M) in m, and M.
@@ -13,6 +14,7 @@ pub(super) type Frames = (Vec<[f64; 3]>, usize);
 
 const COLUMNS: Columns<'_> = Columns {
     choices: &[&["frame", "point", "x", "y", "z"]],
+    optional: &[],
     units: "with x, y, z in metres",
     example: "0,0,0.01,0.0,0.15",
 };
@@ -27,7 +29,8 @@ pub(super) fn read(name: &str, source: Source<'_>) -> Result<Frames, Error> {
     if name.to_ascii_lowercase().ends_with(".csv") {
         return table(&bytes, &place);
     }
-    npy(&bytes, &format!("give {kinds}")).map_err(|cure| Error::unreadable("motion.file", format!("\"{name}\""), cure))
+    frames(&bytes, &format!("give {kinds}"))
+        .map_err(|cure| Error::unreadable("motion.file", format!("\"{name}\""), cure))
 }
 
 /// Returns the frames of a table with one row for each point of each frame, in any order.
@@ -62,36 +65,11 @@ fn table(bytes: &[u8], name: &str) -> Result<Frames, Error> {
     Ok((points.into_iter().flatten().collect(), count))
 }
 
-/// Returns the frames in an .npy file of f64 or f32 in C order, little-endian, as `numpy.save` writes them; else the cure.
-fn npy(bytes: &[u8], cure: &str) -> Result<Frames, alloc::string::String> {
-    let header = || {
-        let rest = bytes.strip_prefix(b"\x93NUMPY")?;
-        let (size, start) = match rest.first()? {
-            1 => (u16::from_le_bytes(*rest.get(2..)?.first_chunk()?).into(), 4),
-            _ => (u32::from_le_bytes(*rest.get(2..)?.first_chunk()?) as usize, 6),
-        };
-        let (header, values) = rest.get(start..)?.split_at_checked(size)?;
-        Some((core::str::from_utf8(header).ok()?, values))
+/// Returns the frames in an .npy file; else the cure.
+fn frames(bytes: &[u8], cure: &str) -> Result<Frames, alloc::string::String> {
+    let Npy { shape, numbers } = npy::read(bytes).ok_or(cure)??;
+    let &[_, count, 3] = &*shape else {
+        return Err(format!("its shape is {shape:?}: give points (T, M, 3)"));
     };
-    let (header, values) = header().ok_or(cure)?;
-    let of = |key: &str, end: char| Some(header.split_once(key)?.1.trim_start().split_once(end)?.0);
-    let shape = of("'shape':", ')').unwrap_or_default().trim_start_matches('(');
-    let sizes: Vec<usize> = shape.split(',').filter_map(|size| size.trim().parse().ok()).collect();
-    let &[frames, count, 3] = &*sizes else {
-        return Err(format!("its shape is ({shape}): give points (T, M, 3)"));
-    };
-    let numbers: Vec<f64> = match (of("'descr':", ','), of("'fortran_order':", ',')) {
-        (Some("'<f8'"), Some("False")) => values.as_chunks().0.iter().map(|&x| f64::from_le_bytes(x)).collect(),
-        (Some("'<f4'"), Some("False")) => values.as_chunks().0.iter().map(|&x| f32::from_le_bytes(x).into()).collect(),
-        _ => {
-            return Err(
-                "its numbers are of another type or order: save numpy.ascontiguousarray(points, \"<f8\")".into()
-            );
-        }
-    };
-    let points = numbers.as_chunks().0;
-    if points.len() != frames.saturating_mul(count) {
-        return Err(format!("its shape is ({shape}), but it has {} points: give points (T, M, 3)", points.len()));
-    }
-    Ok((points.to_vec(), count))
+    Ok((numbers.as_chunks().0.to_vec(), count))
 }

@@ -41,6 +41,14 @@ pub(super) fn read(text: &str) -> Result<Node, Flaw> {
     })
 }
 
+/// Parses a list of lists of numbers; else the reason.
+pub(super) fn rows(text: &str) -> Result<Vec<Vec<f64>>, String> {
+    let node = read(text).map_err(|flaw| flaw.to_string())?;
+    let Node::List(list) = &node else { return Err("no list of rows".into()) };
+    let rows = list.iter().map(|row| row.reals().map(|row| row.to_vec()));
+    rows.collect::<Option<_>>().ok_or_else(|| "no list of rows of numbers".into())
+}
+
 /// Follows the keys and indices `steps` into a text that has been parsed. Stops at the first one that does not exist.
 pub(super) fn find(text: &str, steps: &[Step<'_>]) -> Place {
     let start = text.len() - text.trim_start().len();

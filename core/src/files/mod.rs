@@ -10,6 +10,7 @@ mod json;
 mod kind;
 mod motion;
 mod node;
+mod npy;
 mod path;
 mod place;
 mod positions;

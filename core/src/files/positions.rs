@@ -1,4 +1,4 @@
-//! Positions of transducers in a separate CSV file: rows x, y, z in metres, optionally with a normal nx, ny, nz.
+//! Tables of positions in separate files: transducers x, y, z in metres with or without a normal nx, ny, nz, and points.
 
 use alloc::vec::Vec;
 
@@ -16,13 +16,40 @@ pub(super) struct Positions {
 /// The columns of a file of positions.
 pub const COLUMNS: Columns<'_> = Columns {
     choices: &[&["x", "y", "z"], &["x", "y", "z", "nx", "ny", "nz"]],
+    optional: &[],
     units: "in metres",
     example: "0.01,0.0,0.0",
 };
 
+/// The columns of a file of control points.
+const POINTS: Columns<'_> = Columns {
+    choices: &[&["x", "y", "z"]],
+    optional: &["pressure", "phase", "weight"],
+    units: "in metres, and if you like pressure, phase, weight",
+    example: "0.01,0.0,0.15,500.0",
+};
+
+/// Reads the places of a file of points, and the pressure, phase and weight of each, if they are there.
+pub(super) fn points(name: &str, source: Source<'_>) -> Result<Vec<Point>, Error> {
+    let (bytes, place) = source.beside("points.file", name, "a table of x, y, z in metres", MOST_BYTES)?;
+    let table = csv::read_table(&bytes, &place, POINTS)?;
+    let some = |x: f64| (!x.is_nan()).then_some(x);
+    let each = table.rows.iter().map(|row| ([row[0], row[1], row[2]], [some(row[3]), some(row[4]), some(row[5])]));
+    Ok(each.collect())
+}
+
+/// The position of a point; and its pressure, phase and weight, each if given.
+pub(super) type Point = ([f64; 3], [Option<f64>; 3]);
+
+/// Whether the ending of a name is that of a table that the core reads. A binding may read arrays of other formats.
+pub(super) fn is_table(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    [".csv", ".txt", ".tsv", ".dat", ".npy"].iter().any(|ending| name.ends_with(ending)) || !name.contains('.')
+}
+
 /// Reads the file with this name from the document's folder.
 pub(super) fn read(name: &str, source: Source<'_>) -> Result<Positions, Error> {
-    let (bytes, place) = source.beside("array.positions.file", name, "a CSV file of x, y, z in metres", MOST_BYTES)?;
+    let (bytes, place) = source.beside("array.positions.file", name, "a table of x, y, z in metres", MOST_BYTES)?;
     positions(&bytes, &place)
 }
 

@@ -2,17 +2,18 @@
 
 use alloc::string::String;
 use alloc::sync::Arc;
+use alloc::vec;
 use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
 use crate::device::quantization::Quantization;
 use crate::error::{Error, ErrorCode};
-use crate::files::drawn::{Draw, Drawn, drawn, mesh};
+use crate::files::drawn::{self, Draw, Drawing, Drawn, drawn, mesh};
 use crate::files::fault::Fault;
 use crate::files::item::{Item, Table};
 use crate::files::node::Node;
-use crate::files::positions;
+use crate::files::positions::{self, Point};
 use crate::files::source::Source;
 use crate::scene::{
     Array, Axis, Bead, Body, Choice, Directivity, Extras, Key, Medium, Mesh, Obstacle, OptionValue, Options, Part,
@@ -27,8 +28,10 @@ pub(super) fn scene(document: &Node, source: Source<'_>, draw: &mut Draw<'_>) ->
         let cure = "midair motion solves it and midair play plays it";
         return Err(Fault::at("motion", Error::invalid("motion", motion.node, format!("its points move: {cure}"))));
     }
-    let listed = root.read("points", |points| points.each(point, "give tables, each with a position"))?;
-    let (points, owners) = joined(listed.unwrap_or_default(), drawn(&root, draw)?);
+    let listed = root.read("points", |points| {
+        points.each(|item| listed(item, source), "give tables, each with a position, or a file")
+    })?;
+    let (points, owners) = joined(listed.unwrap_or_default().concat(), drawn(&root, draw)?);
     let request = request(&points, &owners)?;
     let places = points.into_iter().map(|(position, ..)| position).collect();
     at(&root, places, request, source, draw)
@@ -42,7 +45,7 @@ pub(super) fn at(
     source: Source<'_>,
     draw: &mut Draw<'_>,
 ) -> Result<Scene, Fault> {
-    let array = array(&root.need("array")?.table()?, source)?;
+    let array = array(&root.need("array")?.table()?, source, draw)?;
     let medium = root.read("medium", |item| Ok(array.medium(&item.table()?.reals(Medium::KEYS)?)?))?;
     let scene = Scene::new(array, medium, places, request)?;
     let extras = Extras {
@@ -55,14 +58,20 @@ pub(super) fn at(
     Ok(scene.with_extras(extras)?)
 }
 
-/// The position of a point; and its pressure, phase and weight, each if given.
-type Point = ([f64; 3], [Option<f64>; 3]);
-
-fn point(item: &Item<'_>) -> Result<Point, Fault> {
+/// Reads a point, or those of a file; the pressure, phase and weight of the table replace missing ones of the file.
+fn listed(item: &Item<'_>, source: Source<'_>) -> Result<Vec<Point>, Fault> {
     let table = item.table()?;
-    let position = table.need("position")?.numbers()?;
     let real = |key: &str| table.read(key, Item::real);
-    Ok((position, [real("pressure")?, real("phase")?, real("weight")?]))
+    let own = [real("pressure")?, real("phase")?, real("weight")?];
+    let Some(file) = table.get("file") else {
+        return Ok(vec![(table.need("position")?.numbers()?, own)]);
+    };
+    if table.get("position").is_some() {
+        return Err(file.refused("a position is given, too: give one of them"));
+    }
+    let points = positions::points(file.text()?, source).map_err(|error| Fault::at(file.path.as_str(), error))?;
+    let given = |(place, numbers): Point| (place, [0, 1, 2].map(|k| numbers[k].or(own[k])));
+    Ok(points.into_iter().map(given).collect())
 }
 
 /// Joins the listed points and the drawn ones. Also returns, for each drawn table, the index of its first point and its path.
@@ -173,7 +182,7 @@ fn bead(item: &Item<'_>) -> Result<Bead, Fault> {
     Ok(Bead::default().with(&table.reals(Particle::KEYS)?, table.read("gravity", Item::numbers)?)?)
 }
 
-fn array(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {
+fn array(table: &Table<'_>, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Array, Fault> {
     let has = |key: &str| table.get(key).is_some();
     let ways = ["grid", "preset", "positions", "part"].into_iter().filter(|key| has(key)).count();
     if ways != 1 {
@@ -200,7 +209,7 @@ fn array(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {
         let joined = Array::join(&parts.each(one, "give tables, each of an array")?);
         joined.map_err(|error| Fault::from(error).within("arrays", &parts.path))?
     } else {
-        placed(table, source)?
+        placed(table, source, draw)?
     };
     // A missing part keeps the preset's value, or the default.
     let array = Array::PARTS.iter().try_fold(array, |array, part| match table.get(part.name) {
@@ -242,13 +251,20 @@ fn tiles(item: &Item<'_>) -> Result<[usize; 2], Fault> {
 }
 
 /// Reads an array of positions, listed in the document or in a file beside it.
-fn placed(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {
+fn placed(table: &Table<'_>, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Array, Fault> {
     let item = table.need("positions")?;
     let normals = table.read("normals", Item::vectors)?;
     if !matches!(item.node, Node::Table(_)) {
         return Ok(Array::new(item.vectors()?, normals)?);
     }
     let name = item.table()?.need("file")?;
+    if !positions::is_table(name.text()?) {
+        return match drawn::one("array.positions", &item, draw)? {
+            Drawing::Array(array) if normals.is_none() => Ok(array),
+            Drawing::Array(_) => Err(item.refused("the file has normals: leave array.normals out")),
+            _ => Err(item.refused("it is drawn as points: an array is wanted")),
+        };
+    }
     let file = positions::read(name.text()?, source).map_err(|error| Fault::at(name.path.as_str(), error))?;
     if normals.is_some() && file.normals.is_some() {
         let cure = "the file has columns nx, ny, nz: leave one of them out";

@@ -109,7 +109,7 @@ const TABLES: &[Table] = &[
         &[Key::new(
             "file",
             r#""bowl.csv""#,
-            "CSV file, relative to the scene file: for each transducer a row x, y, z or x, y, z, nx, ny, nz in m.",
+            "Table, relative to the scene file: for each transducer a row x, y, z or x, y, z, nx, ny, nz in m; in Python any file that Array.from_file reads.",
         )],
     ),
     (
@@ -128,6 +128,11 @@ const TABLES: &[Table] = &[
         "points[]",
         &[
             Key::new("position", "[0.0, 0.0, 0.15]", "Position x, y, z in m."),
+            Key::new(
+                "file",
+                r#""points.csv""#,
+                "Table of points, relative to the scene file, instead of a position: x, y, z in m, and if you like pressure, phase, weight.",
+            ),
             Key::new(
                 "pressure",
                 "500.0",

@@ -15,15 +15,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import FARTHEST, numbers, stated
+from .._midair import FARTHEST, numbers, read_table, stated
 from .._sequence import Sequence
 from .._support.arguments import number
-from .._support.text import columns, fault, picked, rows, text
+from .._support.text import fault
 from ..path import Path
 
 COLUMNS = ("t", "x", "y", "z", "intensity")
 FREQUENCY = "frequency"
-CURE = f"give {','.join(COLUMNS)} and, if you like, {FREQUENCY}"
 
 Numbers = NDArray[np.float64]
 
@@ -97,14 +96,9 @@ def write(path: File, given: ControlPoints) -> None:
 
 def read(path: str | PathLike[str], data: bytes) -> ControlPoints:
     """Read the frames of a file: rows with the same t."""
-    table = rows(text(path, data))
-    head, names = next(table)
-    where = columns(path, head, names, COLUMNS, CURE)
-    wanted = (*COLUMNS, FREQUENCY) if FREQUENCY in where else COLUMNS
-    each = [(line, picked(path, line, row, where, wanted)) for line, row in table]
-    if not each:
-        raise fault(path, None, "no point is in it", CURE)
-    lines, values = [line for line, _ in each], np.array([row for _, row in each])
+    lines, values = read_table(data, f'file "{path}"', COLUMNS, [FREQUENCY], "in s and m", "0,0,0,0.15,1")
+    if np.isnan(values[:, 5]).all():
+        values = values[:, :5]
     _check(path, lines, values)
     starts = np.flatnonzero(np.diff(values[:, 0], prepend=-np.inf))
     counts = np.diff(np.append(starts, len(values)))
@@ -112,13 +106,13 @@ def read(path: str | PathLike[str], data: bytes) -> ControlPoints:
         frame = int(np.argmax(counts != counts[0]))
         reported = f"{counts[frame]} points at t = {values[starts[frame], 0]:g}"
         cure = f"give {counts[0]} at every t, with intensity 0 where one is not there"
-        raise fault(path, lines[starts[frame]], reported, cure)
-    frames = values.reshape(len(starts), counts[0], len(wanted))
-    frequencies = frames[:, :, 5] if len(wanted) == 6 else None
+        raise fault(path, int(lines[starts[frame]]), reported, cure)
+    frames = values.reshape(len(starts), counts[0], -1)
+    frequencies = frames[:, :, 5] if frames.shape[2] == 6 else None
     return ControlPoints(frames[:, 0, 0], frames[:, :, 1:4], frames[:, :, 4], frequencies)
 
 
-def _check(path: str | PathLike[str], lines: list[int], values: Numbers) -> None:
+def _check(path: str | PathLike[str], lines: NDArray[np.uintp], values: Numbers) -> None:
     bad = {
         "t goes back": ("give times that rise", np.diff(values[:, 0], prepend=values[0, 0]) < 0),
         "intensity is {4:g}": ("give 0 to 1", (values[:, 4] < 0) | (values[:, 4] > 1)),
@@ -128,4 +122,4 @@ def _check(path: str | PathLike[str], lines: list[int], values: Numbers) -> None
     for reported, (cure, wrong) in bad.items():
         if wrong.any():
             row = int(wrong.argmax())
-            raise fault(path, lines[row], f"{reported.format(*values[row])}", cure)
+            raise fault(path, int(lines[row]), f"{reported.format(*values[row])}", cure)

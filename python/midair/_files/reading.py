@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
+import tomllib
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
@@ -13,7 +16,8 @@ from .._boards.board import Board
 from .._boards.layout import Layout
 from .._midair import Array, SceneError, Solution, array_parts, drive_from_csv, read_table
 from .._sequence import Sequence
-from .._support.arguments import path_of
+from .._support.arguments import path_of, refused
+from .._support.tables import ARRAYS, TEXTS, table
 from .._support.text import content, fault, number, rows, text, unpacked
 from . import acoustools, autd3, control_points, handybeam, played as board_frames, record, ultraino, xml
 from .control_points import ControlPoints
@@ -125,7 +129,8 @@ def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64
 MOST_BYTES = 64 << 20
 
 ENDINGS = (
-    ".pat (OpenMPD), .xml.gz or .xml (Ultraino), .xml (HandyBeam), .json (AUTD3) or .csv (x,y,z,nx,ny,nz)"
+    ".pat (OpenMPD), .xml.gz or .xml (Ultraino), .xml (HandyBeam), .json (AUTD3), or a table of x,y,z,nx,ny,nz:"
+    f" {', '.join((*TEXTS, '.json', *ARRAYS[:-1]))} or {ARRAYS[-1]}"
 )
 
 
@@ -156,9 +161,10 @@ def read_array(path: str | PathLike[str], **parts: Unpack[_Parts]) -> Array:
       `apperture`, else 9 mm; pins are `driverPinNumber`. Its y is up: (x, y, z) is here (x, -z, y).
     - `.xml` of HandyBeam, by Index: cos 3.376; a transducer with ABX "X" is off in the mask.
     - `.json` of AUTD3, as Geometry.to_json writes, board after board: as the preset `autd3`.
-    - `.csv`: x,y,z or x,y,z,nx,ny,nz, as scene files read them.
+    - `.csv`, `.txt`, `.tsv`, `.dat`, `.json` of a list, `.npy`, `.npz`, `.mat`: x,y,z or x,y,z,nx,ny,nz, as scene
+      files read them (docs/files.md).
 
-    Other parts have the values of `midair.Array`. All but `.csv` are of boards: scenes on them that state no
+    Other parts have the values of `midair.Array`. All but tables are of boards: scenes on them that state no
     medium have air of 25 degrees C. A flat board of OpenMPD, Ultraino or HandyBeam lies in z = 0 and radiates
     to +z. Phase corrections are no part of an array: a board applies them when it plays.
     """
@@ -173,6 +179,15 @@ def read_array(path: str | PathLike[str], **parts: Unpack[_Parts]) -> Array:
     return made._with_hardware(None if found.directivity is None else 40e3)
 
 
+def array_of(keys: str, folder: Path | None) -> Array:
+    """Read the array of a scene file's table `array.positions`; `keys` is its TOML."""
+    name = tomllib.loads(keys)["file"]
+    if folder is None:
+        cure = "this document has no folder to find files in, list the positions themselves"
+        raise refused("file", name, cure)
+    return read_array(folder / name)
+
+
 def _layout(path: str | PathLike[str]) -> Layout:
     ending = "".join(path_of("path", path).suffixes[-2:]).lower()
     if ending.endswith(".pat"):
@@ -180,11 +195,12 @@ def _layout(path: str | PathLike[str]) -> Layout:
     if ending.endswith((".xml.gz", ".xml")):
         root = _xml(path)
         return ultraino.read(path, root) if root.name == "java" else handybeam.read(path, root)
-    if ending.endswith(".json"):
+    listed = ending.endswith(".json") and re.match(rb"\s*\[\s*[\[\d.+-]", content(path, empty=True))
+    if ending.endswith(".json") and not listed:
         return autd3.read(path)
-    if ending.endswith(".csv"):
-        _, table = read_table(content(path, empty=True), str(path))
-        return Layout(table[:, :3], table[:, 3:] if table.shape[1] == 6 else None)
+    if listed or ending.endswith((*TEXTS, *ARRAYS)):
+        _, found = read_table(table(path), str(path))
+        return Layout(found[:, :3], found[:, 3:] if found.shape[1] == 6 else None)
     raise fault(path, None, "it has no known ending", f"give {ENDINGS}")
 
 

@@ -199,27 +199,6 @@ def numbers(
     return row
 
 
-def columns(
-    path: str | PathLike[str], line: int, header: Sequence[str], needed: Sequence[str], cure: str
-) -> dict[str, int]:
-    """Return the index of each column in a row of names. The needed columns must be there, each once."""
-    found = [name.lower() for name in header]
-    for name in needed:
-        if name not in found:
-            raise fault(path, line, f'there is no column "{name}"', cure)
-        if found.count(name) > 1:
-            raise fault(path, line, f'column "{name}" is there twice', cure)
-    return {name: index for index, name in reversed(list(enumerate(found)))}
-
-
-def picked(
-    path: str | PathLike[str], line: int, row: Sequence[str], where: dict[str, int], names: Sequence[str]
-) -> NDArray[np.float64]:
-    """Return some cells of a row as numbers, by the names of their columns."""
-    cell = [row[where[name]] if where[name] < len(row) else "" for name in names]
-    return numbers(path, line, cell, names)
-
-
 def counted(count: int, thing: str) -> str:
     """Return a number and a noun: "1 point", "2 points"."""
     return f"{count} {thing}" if count == 1 else f"{count} {thing}s"
