@@ -61,7 +61,7 @@ pub struct Table {
 pub fn read_table(bytes: &[u8], name: &str, columns: Columns<'_>) -> Result<Table, Error> {
     let none = |value: &str| {
         let (row, units) = (columns.choices[0].join(","), columns.units);
-        let cure = format!("give rows of {row} {units}, for example {}", columns.example);
+        let cure = format!("give rows {row} {units}, for example {}", columns.example);
         fault(name, None, unreadable("", value, cure))
     };
     if let Some(array) = npy::read(bytes) {
@@ -187,8 +187,8 @@ impl<'a> Columns<'a> {
                     let error = Notice::new(ErrorCode::Unreadable, "columns", cells.join(", "), cure());
                     return Err(Error::of(error.verb("are")));
                 }
-                [(at, Some(unit))] => chosen.push(Column { name, at: Some(*at), unit: *unit }),
-                [(at, None)] => {
+                [(at, Ok(unit))] => chosen.push(Column { name, at: Some(*at), unit: *unit }),
+                [(at, Err(()))] => {
                     let units =
                         UNITS.iter().find(|(names, _)| names.contains(&name)).map_or(&[][..], |(_, units)| units);
                     let units = units.iter().map(|(unit, _)| *unit).collect::<Vec<_>>().join(", ");
@@ -203,8 +203,8 @@ impl<'a> Columns<'a> {
 }
 
 /// The unit in SI of a cell that names a column, as `x`, `X (mm)`, `x_mm` or `x in mm`; `None` if it names another column,
-/// `Some(None)` if its unit is unknown.
-fn unit(cell: &str, name: &str) -> Option<Option<f64>> {
+/// an error if its unit is unknown.
+fn unit(cell: &str, name: &str) -> Option<Result<f64, ()>> {
     let (start, rest) = cell.split_at_checked(name.len())?;
     if !start.eq_ignore_ascii_case(name) || !(rest.is_empty() || rest.starts_with([' ', '(', '[', '_', '/'])) {
         return None;
@@ -212,11 +212,13 @@ fn unit(cell: &str, name: &str) -> Option<Option<f64>> {
     let bare = rest.trim_matches([' ', '(', ')', '[', ']', '_', '/', '.']).to_lowercase();
     let bare = bare.strip_prefix("in ").unwrap_or(&bare);
     if bare.is_empty() {
-        return Some(Some(1.0));
+        return Some(Ok(1.0));
     }
-    let units = UNITS.iter().filter(|(names, _)| names.contains(&name)).flat_map(|(_, units)| *units);
-    let size = units.into_iter().find(|(unit, _)| *unit == bare).map(|(_, size)| *size);
-    (size.is_some() || rest.contains(['(', '['])).then_some(size)
+    let mut units = UNITS.iter().filter(|(names, _)| names.contains(&name)).flat_map(|(_, units)| *units);
+    match units.find(|(unit, _)| *unit == bare) {
+        Some((_, size)) => Some(Ok(*size)),
+        None => rest.contains(['(', '[']).then_some(Err(())),
+    }
 }
 
 /// Reads a number, which may have a decimal comma.

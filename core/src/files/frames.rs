@@ -1,6 +1,7 @@
 //! Files of frames: the points (T, M, 3) of a motion as CSV, or as .npy of NumPy.
 
 use alloc::format;
+use alloc::string::ToString;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -69,7 +70,8 @@ fn table(bytes: &[u8], name: &str) -> Result<Frames, Error> {
 fn frames(bytes: &[u8], cure: &str) -> Result<Frames, alloc::string::String> {
     let Npy { shape, numbers } = npy::read(bytes).ok_or(cure)??;
     let &[_, count, 3] = &*shape else {
-        return Err(format!("its shape is {shape:?}: give points (T, M, 3)"));
+        let sizes = shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+        return Err(format!("its shape is ({sizes}): give points (T, M, 3)"));
     };
     Ok((numbers.as_chunks().0.to_vec(), count))
 }

@@ -1,5 +1,6 @@
 //! JSON, parsed by `serde_json` into a tree of values; and the place of a value in the text.
 
+use alloc::borrow::Cow;
 use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -45,7 +46,7 @@ pub(super) fn read(text: &str) -> Result<Node, Flaw> {
 pub(super) fn rows(text: &str) -> Result<Vec<Vec<f64>>, String> {
     let node = read(text).map_err(|flaw| flaw.to_string())?;
     let Node::List(list) = &node else { return Err("no list of rows".into()) };
-    let rows = list.iter().map(|row| row.reals().map(|row| row.to_vec()));
+    let rows = list.iter().map(|row| row.reals().map(Cow::into_owned));
     rows.collect::<Option<_>>().ok_or_else(|| "no list of rows of numbers".into())
 }
 

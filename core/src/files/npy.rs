@@ -29,8 +29,8 @@ pub(super) fn read(bytes: &[u8]) -> Option<Result<Npy, String>> {
 
 fn array(header: &str, values: &[u8]) -> Result<Npy, String> {
     let of = |key: &str, end: char| Some(header.split_once(key)?.1.trim_start().split_once(end)?.0);
-    let shape = of("'shape':", ')').unwrap_or_default().trim_start_matches('(');
-    let shape: Vec<usize> = shape.split(',').filter_map(|size| size.trim().parse().ok()).collect();
+    let text = of("'shape':", ')').unwrap_or_default().trim_start_matches('(');
+    let shape: Vec<usize> = text.split(',').filter_map(|size| size.trim().parse().ok()).collect();
     let numbers: Vec<f64> = match (of("'descr':", ','), of("'fortran_order':", ',')) {
         (Some("'<f8'"), Some("False")) => values.as_chunks().0.iter().map(|&x| f64::from_le_bytes(x)).collect(),
         (Some("'<f4'"), Some("False")) => values.as_chunks().0.iter().map(|&x| f32::from_le_bytes(x).into()).collect(),
@@ -41,7 +41,10 @@ fn array(header: &str, values: &[u8]) -> Result<Npy, String> {
         }
     };
     if shape.iter().try_fold(1, |product: usize, &size| product.checked_mul(size)) != Some(numbers.len()) {
-        return Err(alloc::format!("its shape is {shape:?}, but it has {} numbers: save it again", numbers.len()));
+        return Err(alloc::format!(
+            "its shape is ({text}), but it has {} numbers: give points as numpy.save writes them",
+            numbers.len()
+        ));
     }
     Ok(Npy { shape, numbers })
 }

@@ -128,6 +128,9 @@ fn positions_may_lie_in_a_file_beside_the_scene() {
         "0,0,0\n0.01,0,0\n",
         "x,y,z\r\n0,0,0\r\n\r\n1e-2,0,0",
         "\u{feff}X;Y;Z\n 0; 0; 0\n0.01;0;0\n",
+        "0 0 0\n0.01  0  0\n",
+        "% a bowl\nz (mm);y;x [mm]\n0;0;0;\n0;0,0;10,0;;\n;;\n",
+        "[[0, 0, 0], [0.01, 0, 0]]",
         "# a bowl\nname\tz\ty\tx\n\"a\"\t0\t0\t0\nb\t0\t0\t0.01\n",
     ] {
         let scene = read(csv).expect(csv);
@@ -148,9 +151,9 @@ fn positions_may_lie_in_a_file_beside_the_scene() {
         ("0,0,0\n0.01,O,0\n", ", line 2: y is \"O\": give a number, for example 0.01,0.0,0.0"),
         ("0,0,0\n0.01,0\n", ", line 2: z is \"\": give a number"),
         ("0,0,0\nnan,0,0\n", ", line 2: x is \"nan\""),
-        ("0;0;0\n0,01;0;0\n", ", line 2: x is \"0,01\""),
+        ("0;0;0\n0.0,1;0;0\n", ", line 2: x is \"0.0,1\""),
         ("0,0\n", ", line 1: 2 columns: give x,y,z or x,y,z,nx,ny,nz in metres"),
-        ("x_mm,y,z\n0,0,0\n", ", line 1: columns are x_mm, y, z: name them x,y,z or x,y,z,nx,ny,nz, in metres"),
+        ("x_ft,y,z\n0,0,0\n", ", line 1: columns are x_ft, y, z: name them x,y,z or x,y,z,nx,ny,nz, in metres"),
         ("x,y,z,nx\n0,0,0,1\n", ", line 1: columns are x, y, z, nx"),
         ("0,0,0\n1e30,0,0\n", "scene.toml, line 9, column 13: array.positions[0] is"),
         ("0,0,0,0,0,0\n", "scene.toml, line 8, column 1: array.normals[0] is"),

@@ -200,7 +200,7 @@ fn frames_of_a_table_or_of_numpy_are_read() -> Result<(), Error> {
             "the table is 1 rows long: 4000000001 frames of 1 points need 4000000001 rows",
         ),
         ("g.npy", npy("<f8", "(2, 3)", doubles.clone()), "motion.file is \"g.npy\": its shape is (2, 3): give points"),
-        ("h.npy", npy("<f8", "(9999999999, 9, 3)", doubles.clone()), "but it has 2 points: give points (T, M, 3)"),
+        ("h.npy", npy("<f8", "(9999999999, 9, 3)", doubles.clone()), "but it has 6 numbers: give points"),
         ("i.npy", npy(">f8", "(2, 1, 3)", doubles), "of another type or order"),
         ("j.npy", b"PK\x03\x04".to_vec(), "motion.file is \"j.npy\": give .npy of points (T, M, 3)"),
     ] {

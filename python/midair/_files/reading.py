@@ -129,8 +129,8 @@ def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64
 MOST_BYTES = 64 << 20
 
 ENDINGS = (
-    ".pat (OpenMPD), .xml.gz or .xml (Ultraino), .xml (HandyBeam), .json (AUTD3), or a table of x,y,z,nx,ny,nz:"
-    f" {', '.join((*TEXTS, '.json', *ARRAYS[:-1]))} or {ARRAYS[-1]}"
+    ".pat (OpenMPD), .xml.gz or .xml (Ultraino), .xml (HandyBeam), .json (AUTD3), or a table of"
+    f" x,y,z,nx,ny,nz, {', '.join((*TEXTS, '.json', *ARRAYS[:-1]))} or {ARRAYS[-1]}"
 )
 
 
@@ -161,8 +161,8 @@ def read_array(path: str | PathLike[str], **parts: Unpack[_Parts]) -> Array:
       `apperture`, else 9 mm; pins are `driverPinNumber`. Its y is up: (x, y, z) is here (x, -z, y).
     - `.xml` of HandyBeam, by Index: cos 3.376; a transducer with ABX "X" is off in the mask.
     - `.json` of AUTD3, as Geometry.to_json writes, board after board: as the preset `autd3`.
-    - `.csv`, `.txt`, `.tsv`, `.dat`, `.json` of a list, `.npy`, `.npz`, `.mat`: x,y,z or x,y,z,nx,ny,nz, as scene
-      files read them (docs/files.md).
+    - `.csv`, `.txt`, `.tsv`, `.dat`, `.json` of a list, `.npy`, `.npz`, `.mat`: x,y,z or x,y,z,nx,ny,nz
+      (docs/files.md).
 
     Other parts have the values of `midair.Array`. All but tables are of boards: scenes on them that state no
     medium have air of 25 degrees C. A flat board of OpenMPD, Ultraino or HandyBeam lies in z = 0 and radiates

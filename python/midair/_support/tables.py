@@ -1,4 +1,4 @@
-"""Tables of numbers in files: text, JSON and .npy are read by the core, .npz and .mat are converted for it."""
+"""Tables of numbers in files: the core reads text, JSON and .npy; .npz and .mat are converted for it."""
 
 from __future__ import annotations
 
