@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from .._midair import SceneError
 from .arguments import needs
 from .text import array, arrays, content, fault
 
@@ -27,6 +28,8 @@ def table(path: str | PathLike[str]) -> bytes:
         else:
             found = _only(path, arrays(path) if ending == ".npz" else _matlab(path))
         numbers = np.ascontiguousarray(found, "<f8")
+    except SceneError:
+        raise
     except (ValueError, TypeError) as error:
         raise fault(path, None, f"its numbers cannot be read ({error})", "give an array (N, 3)") from error
     packed = io.BytesIO()
@@ -40,8 +43,12 @@ def _matlab(path: str | PathLike[str]) -> dict[str, Any]:
         from scipy.io import loadmat
     try:
         found = loadmat(io.BytesIO(content(path)))
-    except NotImplementedError as error:
-        raise fault(path, None, "it is of version 7.3", 'save it by save(name, variable, "-v7")') from error
+    except SceneError:
+        raise
+    # SciPy raises errors of many kinds for a damaged file, and NotImplementedError for version 7.3.
+    except Exception as error:
+        cure = 'save it by save(name, variable, "-v7")'
+        raise fault(path, None, "SciPy cannot read it, damaged or of version 7.3", cure) from error
     return {name: value for name, value in found.items() if not name.startswith("__")}
 
 

@@ -51,6 +51,7 @@ INHERITED = {"visibility": "visible", "fill": "black", "stroke": "none"}
 #: Properties that change what is seen. The others, such as widths and filters, have no effect.
 OBEYED = (*INHERITED, "display", "opacity", "transform", "transform-origin")
 
+SIZES = ("width", "height")
 PIXELS_PER_INCH = 96.0
 
 Matrix = NDArray[np.float64]
@@ -205,31 +206,25 @@ class _Drawing:
             self.without[tag] += 1
         if tag not in (*SHAPES, "g", "a", "svg", "symbol", "switch", "use"):
             return
+        self.without.update(name for name in ("clip-path", "mask") if own.get(name, "none") != "none")
         matrix = matrix @ self._transform(own, viewport)
-        effects = [name for name in ("clip-path", "mask") if own.get(name, "none") != "none"]
-        if tag in SHAPES:
-            if not visible:
-                return
+        if tag in SHAPES and visible:
             if {inherited["fill"], inherited["stroke"]} <= {"none", "transparent"}:
                 self.without["shape without fill and stroke"] += 1
                 return
-            effects += ["marker"] * any(key.startswith("marker") and own[key] != "none" for key in own)
-            for name in effects:
-                self.without[name] += 1
+            if any(name.startswith("marker") and own[name] != "none" for name in own):
+                self.without["marker"] += 1
             yield tag, own, matrix, viewport
-            return
-        for name in effects:
-            self.without[name] += 1
         if tag in ("svg", "symbol"):
             matrix, viewport = self._viewport(own | size, matrix, viewport)
-        inner, size = list(element), {}
+        inner, size = [] if tag in SHAPES else list(element), {}
         if tag == "switch":
             inner = [child for child in inner if "requiredExtensions" not in child.attrib][:1]
         if tag == "use":
             place = [self._length(own.get(axis), viewport[k]) or 0.0 for k, axis in enumerate("xy")]
             matrix = matrix @ _affine(np.eye(2), place)
             inner = self._target(own)
-            size = {name: own[name] for name in ("width", "height") if name in own}
+            size = {name: own[name] for name in SIZES if name in own}
         for child in inner:
             if child in around or child is element:
                 raise self._wrong("a <use> in it refers to itself")
@@ -282,15 +277,12 @@ class _Drawing:
         """Return the matrix inside of an <svg> or <symbol>, and its size (SVG 2, 8.2)."""
         numbers = [float(one) for one in re.split(r"[\s,]+", own.get("viewBox", "").strip()) if one]
         corner, inner = np.array(numbers[:2]), np.array(numbers[2:4])
-        outer = viewport if viewport.any() else inner
-        outer = outer if len(outer) else np.full(2, 100.0)
-        lengths = [
-            self._length(own.get(name), side) for name, side in zip(("width", "height"), outer, strict=True)
-        ]
+        outer = viewport if viewport.any() else inner if len(inner) else np.full(2, 100.0)
+        lengths = [self._length(own.get(name), side) for name, side in zip(SIZES, outer, strict=True)]
         size = np.array([side if one is None else one for one, side in zip(lengths, outer, strict=True)])
-        place = [self._length(own.get(axis), side) or 0.0 for axis, side in zip("xy", outer, strict=True)]
-        if not viewport.any():
-            place = [0.0, 0.0]
+        # The outermost <svg> has no place.
+        axes = "xy" if viewport.any() else ("", "")
+        place = [self._length(own.get(axis), side) or 0.0 for axis, side in zip(axes, outer, strict=True)]
         if len(numbers) != 4:
             return matrix @ _affine(np.eye(2), place), size
         if not (inner > 0).all():
