@@ -120,7 +120,7 @@ def test_a_deep_json(tmp_path: Path) -> None:
     path = tmp_path / "a.json"
     path.write_bytes(b"[" * 100_000)
     # Versions of Python differ in how many nested lists they read.
-    with pytest.raises(midair.SceneError, match=r"nest too deep|no JSON") as refused:
+    with pytest.raises(midair.SceneError, match=r"nest(ed)? too deep|no JSON") as refused:
         read_array(path)
     assert str(refused.value).startswith(f'file "{path}"')
     assert "\n" not in str(refused.value)

@@ -129,8 +129,8 @@ def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64
 MOST_BYTES = 64 << 20
 
 ENDINGS = (
-    ".pat (OpenMPD), .xml.gz or .xml (Ultraino), .xml (HandyBeam), .json (AUTD3), or a table of"
-    f" x,y,z,nx,ny,nz, {', '.join((*TEXTS, '.json', *ARRAYS[:-1]))} or {ARRAYS[-1]}"
+    ".pat (OpenMPD), .xml.gz or .xml (Ultraino), .xml (HandyBeam), .json (AUTD3), or x,y,z,nx,ny,nz"
+    f" in {', '.join((*TEXTS, '.json', *ARRAYS[:-1]))} or {ARRAYS[-1]}"
 )
 
 
