@@ -122,7 +122,7 @@ def test_a_deep_json(tmp_path: Path) -> None:
     # Versions of Python differ in how many nested lists they read.
     with pytest.raises(midair.SceneError, match=r"nest(ed)? too deep|no JSON") as refused:
         read_array(path)
-    assert str(refused.value).startswith(f'file "{path}"')
+    assert str(path) in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
