@@ -19,7 +19,7 @@ pub(super) struct Item<'a> {
 
 /// A table in a document. All its keys have been checked to be known.
 pub(super) struct Table<'a> {
-    path: String,
+    pub(super) path: String,
     pub(super) entries: &'a [(String, Node)],
 }
 

@@ -205,8 +205,9 @@ fn array(table: &Table<'_>, source: Source<'_>, draw: &mut Draw<'_>) -> Result<A
             _ => error.into(),
         })?
     } else if let Some(parts) = table.get("part") {
-        let one = |item: &Item<'_>| array(&item.table()?, source).map_err(|fault| fault.within("array", &item.path));
-        let joined = Array::join(&parts.each(one, "give tables, each of an array")?);
+        let tables = parts.each(Item::table, "give tables, each of an array")?;
+        let mut one = |part: &Table<'_>| array(part, source, draw).map_err(|fault| fault.within("array", &part.path));
+        let joined = Array::join(&tables.iter().map(&mut one).collect::<Result<Vec<_>, _>>()?);
         joined.map_err(|error| Fault::from(error).within("arrays", &parts.path))?
     } else {
         placed(table, source, draw)?
