@@ -7,8 +7,11 @@ use alloc::vec::Vec;
 use crate::error::{Error, ErrorCode, Notice, one_line};
 use crate::files::{json, npy};
 
+/// The name of a unit, and its size in SI.
+type Unit = (&'static str, f64);
+
 /// The units that the name of a column may have, the columns that have them, and their size in SI.
-const UNITS: &[(&[&str], &[(&str, f64)])] = &[
+const UNITS: &[(&[&str], &[Unit])] = &[
     (&["x", "y", "z"], &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("\u{b5}m", 1e-6)]),
     (&["phase"], &[("rad", 1.0), ("deg", core::f64::consts::PI / 180.0)]),
     (&["pressure"], &[("pa", 1.0), ("kpa", 1e3)]),
@@ -147,7 +150,9 @@ impl<'a> Columns<'a> {
         }
         let chosen = self.counted(count).map_err(|error| fault(name, None, error));
         Some(chosen.map(|chosen| {
-            rows.iter_mut().for_each(|row| row.resize(chosen.len(), f64::NAN));
+            for row in &mut rows {
+                row.resize(chosen.len(), f64::NAN);
+            }
             Table { lines: (1..=rows.len()).collect(), rows }
         }))
     }
