@@ -234,6 +234,7 @@ def test_propagation_is_eq_5_for_tilted_transducers_of_any_response(
     assert (found[:, 7] == 0).all()
 
 
+@pytest.mark.filterwarnings("ignore:.*nearer than k a:midair.SceneWarning")
 @pytest.mark.parametrize(
     ("directivity", "frequency"),
     [

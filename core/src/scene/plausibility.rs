@@ -40,6 +40,9 @@ const SOURCE_PRESSURE: RangeInclusive<f64> = 0.01..=100.0;
 /// Plausible distances between neighbours in wavelengths: nearer transducers overlap, and farther ones do not form a beam.
 const SPACING: RangeInclusive<f64> = 0.05..=5.0;
 
+/// The largest plausible width of a piston over the distance of its neighbour: an effective radius may exceed the case a little.
+const WIDER: f64 = 1.05;
+
 /// The largest plausible array or picture in m.
 const LARGEST: f64 = 10.0;
 
@@ -191,11 +194,31 @@ fn extent(array: &Array, medium: Medium) -> Option<Notice> {
         if let Some((pair, length)) = neighbours.pair(close, |_, _| true) {
             return Some(reported(Some(pair), length, "neighbours nearer than a twentieth of the wavelength"));
         }
+        if let Some(notice) = overlapping(array, &neighbours) {
+            return Some(notice);
+        }
         if neighbours.pair(far, |_, _| true).is_none() {
             return Some(reported(None, distance(places[0], places[1]), "no neighbours within five wavelengths"));
         }
     }
     array.doubt()
+}
+
+/// Returns the probable mistake of a diameter given as the radius: every piston overlaps a neighbour.
+fn overlapping(array: &Array, neighbours: &Neighbours) -> Option<Notice> {
+    let radius = array.transducer().directivity.radius()?;
+    let (places, most) = (array.positions(), 2.0 * radius / WIDER);
+    let overlaps = |i: usize| (0..places.len()).any(|k| k != i && distance(places[i], places[k]) < most);
+    let (_, pitch) = neighbours.pair(most, |_, _| true)?;
+    if !(0..places.len()).all(overlaps) {
+        return None;
+    }
+    let [diameter, half, pitch] = [radius, radius / 2.0, pitch].map(short);
+    let cure = format!(
+        "wider than the {pitch} m from one transducer to the next: give the radius (a diameter of {diameter} m is a \
+         radius of {half} m)"
+    );
+    Some(doubt("directivity.piston", format!("a radius of {diameter} m"), cure))
 }
 
 fn largest(bounds: &[[f64; 2]; 3]) -> f64 {
@@ -256,9 +279,11 @@ fn first(points: &[[f64; 3]], doubtful: impl Fn([f64; 3]) -> bool) -> Option<(us
 /// Returns the first point that is too near to a transducer, or that is in front of no transducer.
 ///
 /// Within a quarter of the wavelength the model of a point source is wrong. A point within a hundredth of the wavelength is an
-/// error, reported elsewhere.
+/// error, reported elsewhere. A piston of radius a has its far field from k a^2 / 2 on ([`Directivity::near_field`]).
 pub(crate) fn beside(array: &Array, medium: Medium, points: &[[f64; 3]]) -> Option<Notice> {
-    let [error, within] = [100.0, 4.0].map(|part| medium.wavelength() / part);
+    let [error, quarter] = [100.0, 4.0].map(|part| medium.wavelength() / part);
+    let directivity = array.transducer().directivity;
+    let within = directivity.near_field(medium.wavenumber()).max(quarter);
     let bounds = array.bounds();
     let close = |(x, [low, high]): (&f64, &[f64; 2])| (low - within..=high + within).contains(x);
     let reason = |point: &[f64; 3]| {
@@ -270,13 +295,22 @@ pub(crate) fn beside(array: &Array, medium: Medium, points: &[[f64; 3]]) -> Opti
             Some((i, length)) if length < within => Some((
                 ErrorCode::TooNear,
                 format!(", {} m from transducer {i}", short(length)),
-                "nearer than a quarter of the wavelength a transducer is no point source: give a point farther away",
+                if length < quarter {
+                    "nearer than a quarter of the wavelength a transducer is no point source: give a point farther away"
+                        .into()
+                } else {
+                    let (reach, a) = (short(within), short(directivity.parameter));
+                    format!(
+                        "nearer than k a^2/2 = {reach} m the far field of a piston of radius a = {a} m is wrong by 5 % \
+                         and more: give a point farther away"
+                    )
+                },
             )),
             _ if array.is_in_front(*point) => None,
             _ => Some((
                 ErrorCode::InPlane,
                 String::new(),
-                "in the plane of the transducers, where a board sends little sound: give a point in front",
+                "in the plane of the transducers, where a board sends little sound: give a point in front".into(),
             )),
         }
     };

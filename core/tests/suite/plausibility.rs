@@ -1,7 +1,7 @@
 //! Tests of warnings about probable mistakes: each mistake gives one warning with its unit, usual arrays give none.
 
 use midair::presets::PRESETS;
-use midair::{Array, Bead, Medium, Obstacle, Particle, Plane, Request, Scene, Surface, Transducer};
+use midair::{Array, Bead, Directivity, Medium, Obstacle, Particle, Plane, Request, Scene, Surface, Transducer};
 
 use crate::scenes::{preset, random_points, smiley};
 
@@ -216,6 +216,57 @@ fn points_beside_a_transducer_are_doubted() {
     let text = "points[0].position is [0.005, 0.005, 0.002] m, 0.002 m from transducer 3: nearer than a quarter";
     assert!(near(5e-3, 2e-3)[0].starts_with(text), "{:?}", near(5e-3, 2e-3));
     assert!(near(0.0, 2e-3).is_empty() && near(5e-3, 3e-3).is_empty());
+}
+
+fn pistons(radius: f64, n: usize, pitch: f64) -> Array {
+    let transducer = Transducer { directivity: Directivity::piston(radius), ..Transducer::default() };
+    Array::grid(n, n, pitch).unwrap().with_transducer(transducer).unwrap()
+}
+
+/// |p| r of a piston of radius a at a distance r and an angle, relative to its far field on the axis: Rayleigh's integral.
+fn rayleigh(a: f64, k: f64, r: f64, theta: f64) -> f64 {
+    let (x, z, rings, sectors) = (r * theta.sin(), r * theta.cos(), 60, 60);
+    let mut sum = num_complex::Complex64::default();
+    for ring in 0..rings {
+        let s = a * (f64::from(ring) + 0.5) / f64::from(rings);
+        for sector in 0..sectors {
+            let turn = std::f64::consts::TAU * (f64::from(sector) + 0.5) / f64::from(sectors);
+            let away = (x * x + s * s - 2.0 * x * s * turn.cos() + z * z).sqrt();
+            sum += num_complex::Complex64::from_polar(s / away, k * away);
+        }
+    }
+    sum.norm() * r * 2.0 / (a * f64::from(rings) * f64::from(sectors))
+}
+
+#[test]
+fn points_in_the_near_field_of_a_piston_are_doubted() {
+    let air = Medium::default();
+    let k = air.wavenumber();
+    for a in [5e-3, 10e-3, 16e-3] {
+        let near = |r: f64| reported(pistons(a, 2, 0.04), air, vec![[0.02, 0.02, r]], None);
+        let reach = k * a * a / 2.0;
+        assert!(near(1.001 * reach).is_empty(), "{:?}", near(1.001 * reach));
+        let text = &near(0.999 * reach)[0];
+        assert!(text.contains("nearer than k a^2/2 = ") && text.contains("of a piston of radius"), "{text}");
+        // The far field is right to 11 % of its value on the axis beyond, and wrong by 5 % and more at 0.8 of this length.
+        let off = |r: f64, degrees: i32| {
+            let theta = f64::from(degrees).to_radians();
+            (rayleigh(a, k, r, theta) - Directivity::piston(a).value(theta.cos(), k).abs()).abs()
+        };
+        let most = |part: f64| (0..89).step_by(3).map(|degrees| off(part * reach, degrees)).fold(0.0, f64::max);
+        assert!(most(1.0) < 0.11 && most(2.0) < 0.05, "{} {}", most(1.0), most(2.0));
+        assert!(off(0.8 * reach, 0) > 0.05, "{}", off(0.8 * reach, 0));
+    }
+}
+
+#[test]
+fn pistons_wider_than_their_distance_are_doubted() {
+    let warned = |radius, pitch| reported(pistons(radius, 4, pitch), Medium::default(), points(), None);
+    let text = "directivity.piston is a radius of 0.009 m: wider than the 0.01 m from one transducer to the next: \
+                give the radius (a diameter of 0.009 m is a radius of 0.0045 m)";
+    assert_eq!(warned(9e-3, 0.01), [text]);
+    assert_eq!(warned(6e-3, 0.01).len(), 1);
+    assert!(warned(5e-3, 0.01).is_empty() && warned(4.5e-3, 0.0105).is_empty());
 }
 
 #[test]
