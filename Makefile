@@ -24,7 +24,7 @@ RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml python/build.rs 
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-serve test-interrupts gateware test-studio npm test-npm unity test-unity lint fuzz sanitize bench bench-capi bench-peers measured pictures look docs generated api schema golden map header stubs pins wheels release clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-serve test-long gateware test-studio npm test-npm unity test-unity lint fuzz sanitize bench bench-capi bench-peers measured pictures look docs generated api schema golden map header stubs pins wheels release clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -80,24 +80,22 @@ $(BUILT)/libmidair.so:
 	$(MAKE) --no-print-directory capi
 
 test: outlook lint test-rust test-python ## The core's tests and the package's (the C library's: test-capi)
-	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-studio, test-npm, test-unity, test-firmware, test-boards, test-serve, test-interrupts, test-portable, fuzz, sanitize"
+	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-studio, test-npm, test-unity, test-firmware, test-boards, test-serve, test-long (Ctrl-C, flights, the wheel, docs/extending.md, the oldest Rust), test-portable, fuzz, sanitize"
 
 outlook:
 	@echo "make test: lint, the core's tests, the package's tests; 18 minutes on two cores, a third of it when built before."
 
-test-rust: ## The core: tests, doctests, each feature set, no_std, a solver added by its page
+test-rust: ## The core: tests, doctests, each feature set, no_std
 	$(call step,core: tests are compiled (5 min),$(CARGO) test $(CORE) --no-run)
-	$(call step,core: tests run (30 s),$(CARGO) test --quiet $(CORE) -- --include-ignored)
+	$(call step,core: tests run (2 min),$(CARGO) test --quiet $(CORE) -- --include-ignored)
 	$(call step,core: without features (5 s),$(CARGO) check -p midair --no-default-features)
 	$(call step,core: feature std (5 s),$(CARGO) check -p midair --no-default-features --features std)
 	$(call step,core: feature parallel (5 s),$(CARGO) check -p midair --no-default-features --features parallel)
 	$(call step,core: seeds and past finds of fuzzing pass (1 min),$(CARGO) test --quiet --manifest-path fuzz/Cargo.toml --no-default-features)
 	$(call step,core: a program without std (20 s),$(CARGO) run --quiet --manifest-path core/tests/no_std/Cargo.toml)
-	$(call step,core: the steps of docs/extending.md on a copy (1 min),core/tests/extending.sh)
-	$(call step,all crates: the oldest Rust (1 min),core/tests/minimum.sh)
 
 test-python: .venv/extension ## The package: tests, stubs, types
-	$(call step,package: tests (4 min),$(PYTHON) -m pytest --numprocesses auto)
+	$(call step,package: tests (8 min),$(PYTHON) -m pytest --numprocesses auto)
 	$(call step,package: stubs against the extension (20 s),$(PYTHON) -m mypy.stubtest midair._midair)
 	$(call step,package: types (20 s),$(PYTHON) -m mypy python/midair)
 
@@ -121,8 +119,11 @@ test-boards: setup ## Boards: programs that play end in every way, 20 times each
 test-serve: setup ## Points of other programs: 1,000,000 histories of signs of life, 1,000 real ones, 10,000 connections (8 min)
 	MIDAIR_SLOW=1 $(PYTHON) -m pytest $(wildcard python/tests/test_serve*.py)
 
-test-interrupts: setup ## Ctrl-C at 20 random moments of every call that takes long, on one thread and on two (20 min, quiet computer)
-	MIDAIR_SLOW=1 $(PYTHON) -m pytest python/tests/test_ctrl_c.py
+test-long: .venv/extension ## What takes too long for make test, and Ctrl-C at 20 moments of every long call (30 min, quiet computer)
+	$(call step,core: the steps of docs/extending.md on a copy (1 min),core/tests/extending.sh)
+	$(call step,all crates: the oldest Rust (1 min),core/tests/minimum.sh)
+	$(call step,package: tests of minutes (3 min),MIDAIR_SLOW=1 $(PYTHON) -m pytest -m long)
+	$(call step,package: Ctrl-C (25 min),MIDAIR_SLOW=1 $(PYTHON) -m pytest python/tests/test_ctrl_c.py)
 
 gateware: .venv/extension ## Boards' makers' own gateware with our bytes, recorded (MAKERS=folder of their repositories, Debian's ghdl, simavr)
 	$(PYTHON) gateware/autd3_run.py

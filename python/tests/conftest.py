@@ -87,6 +87,13 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
     return result
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    if os.environ.get("MIDAIR_SLOW") != "1":
+        for item in items:
+            if item.get_closest_marker("long"):
+                item.add_marker(pytest.mark.skip(reason="takes long: `make test-long` runs it"))
+
+
 def pytest_sessionfinish(session: pytest.Session) -> None:
     if OVER and session.exitstatus == 0:
         session.exitstatus = pytest.ExitCode.TESTS_FAILED

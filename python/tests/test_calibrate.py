@@ -269,7 +269,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("phased", [False, True])
+@pytest.mark.parametrize("phased", [pytest.param(False, marks=pytest.mark.long), True])
 def test_few_readings_are_no_worse_than_the_model(phased: bool) -> None:
     for count, least in [(1, 0.95), (32, 1.02 if phased else 0.95)]:
         gains = []

@@ -10,7 +10,7 @@ import pytest
 
 #: Moments for each call. MIDAIR_SLOW takes more of them, and two threads too.
 SLOW = os.environ.get("MIDAIR_SLOW") == "1"
-MOMENTS, THREADS = (20, (1, 2)) if SLOW else (2, (1,))
+MOMENTS, THREADS = (20, (1, 2)) if SLOW else (1, (1,))
 
 #: Largest CPU time in s of a thread from the signal to the end of the call. Other work beside the test makes
 #: it longer, so only MIDAIR_SLOW, on a quiet computer, asks for half a second. Latest moment of the signal.

@@ -32,7 +32,7 @@ def test_traps_in_motion_stay_stiff_and_carry_their_beads(count: int, quantizati
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("count", [1, 2])
+@pytest.mark.parametrize("count", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_laps_of_traps_known_in_advance_close_and_carry_their_beads(count: int) -> None:
     positions, normals = traps.openmpd()
     array = midair.Array(positions, normals, source_pressure=2.3)

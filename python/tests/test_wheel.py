@@ -32,6 +32,7 @@ def run(*command: object, cwd: Path) -> None:
 
 # One test in one process, because maturin builds in one folder.
 @pytest.mark.slow
+@pytest.mark.long
 def test_the_wheel_holds_the_package_and_works_with_nothing_but_numpy(tmp_path: Path) -> None:
     run(BIN / "maturin", "build", "--quiet", "--release", "--out", tmp_path, cwd=ROOT)
     (wheel,) = tmp_path.glob("midair-*.whl")
