@@ -113,3 +113,36 @@ def test_lines_of_g_code(tmp_path: Path) -> None:
 def test_g_code_that_is_no_path_is_refused(program: str, reported: str) -> None:
     with pytest.raises(midair.SceneError, match=reported):
         midair.path.gcode(program, speed=0.1)
+
+
+#: Programs, and the places in mm that they name.
+PROGRAMS = {
+    "an exponent": ("G1 X1.2e-15 Y20\nG1 X10 Y20", [[0, 20, 0], [10, 20, 0]]),
+    "relative": ("G91\nX10\nY10\nX-10\nY-10", [[0, 0, 0], [10, 0, 0], [10, 10, 0], [0, 10, 0]]),
+    "its end": ("X0\nX10\nM30\nX99", [[0, 0, 0], [10, 0, 0]]),
+}
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_a_program_of_g_code_goes_where_a_machine_goes(name: str) -> None:
+    program, places = PROGRAMS[name]
+    path = midair.path.gcode(program, speed=0.01, origin=[0, 0, 0.1])
+    closed = name == "relative"
+    assert path.closed == closed
+    corners = np.array(places) * 1e-3 + [0, 0, 0.1]
+    ways = np.linalg.norm(np.diff(corners, axis=0, append=corners[:1] if closed else corners[-1:]), axis=1)
+    assert path.duration == pytest.approx(ways.sum() / 0.01)
+    at = path.frames(1e3)[0][:, 0]
+    assert all(np.linalg.norm(at - corner, axis=1).min() < 2e-5 for corner in corners)
+
+
+def test_a_first_arc_begins_at_zero() -> None:
+    path = midair.path.gcode("G2 X20 Y0 I10\nG1 X20 Y5", speed=0.01)
+    assert path.duration == pytest.approx((np.pi * 10 + 5) * 1e-3 / 0.01, rel=1e-3)
+
+
+@pytest.mark.parametrize("program", [None, b"G1 X1", "G2 X0 Y0 I5 P3\nX1", "M98 P100\nX1 Y1\nX2"])
+def test_what_is_no_program_gets_one_line(program: object) -> None:
+    with pytest.raises(midair.SceneError) as caught:
+        midair.path.gcode(program, speed=0.1)  # type: ignore[arg-type]
+    assert "\n" not in str(caught.value)

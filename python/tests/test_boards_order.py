@@ -135,3 +135,39 @@ def test_acoustools_files_of_one_board_are_put_in_order(ending: str, tmp_path: P
     some = midair.solve(midair.Scene(midair.Array.grid(10, 10, 0.01), point), "naive")
     with pytest.warns(midair.SceneWarning, match="100 keep the order of the drives"):
         midair.write(tmp_path / "b.holo", some)
+
+
+@pytest.mark.parametrize("kind", ["homies", "mega64", "nano16", "sonicsurface"])
+def test_a_random_order_is_seen_also_near_the_limit_of_the_places(kind: str) -> None:
+    rng = np.random.default_rng(3)
+    places = midair.Board(kind).array.positions
+    for _ in range(10):
+        off = places + rng.uniform(-1.4e-3, 1.4e-3, places.shape)
+        assert len(midair.Board(kind, midair.Array(off))) == len(places)
+        with pytest.raises(midair.SceneError, match=f"array is in another order than {kind}"):
+            midair.Board(kind, midair.Array(off[rng.permutation(len(places))]))
+
+
+def test_channels_of_an_array_obey_the_order_too() -> None:
+    autd3 = midair.Array.preset("autd3")
+    with pytest.raises(
+        midair.SceneError, match=r"array\.channels is given: autd3 drives each transducer alone"
+    ):
+        midair.Board("autd3", midair.Array(autd3.positions, channels=np.arange(249) // 2))
+    mixed = np.random.default_rng(1).permutation(249)
+    with pytest.raises(midair.SceneError, match="in another order than autd3"):
+        midair.Board("autd3", midair.Array(autd3.positions, channels=mixed))
+
+
+def test_places_that_are_not_finite_fit_no_board() -> None:
+    autd3 = midair.Array.preset("autd3")
+    mixed = midair.Array(autd3.positions[np.random.default_rng(1).permutation(249)])
+    with pytest.raises(midair.SceneError):
+        midair.Board("autd3", mixed.moved(translation=[1e308] * 3))
+
+
+def test_a_drive_is_for_places_to_half_a_millimetre() -> None:
+    array = midair.Array.preset("sonicsurface")
+    larger = midair.Board("sonicsurface", midair.Array(1.02 * array.positions))
+    with pytest.raises(midair.SceneError, match="the drive was solved for an array whose transducer"):
+        larger.encode(midair.solve(midair.Scene(array, FOCUS), "naive"))

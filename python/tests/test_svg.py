@@ -72,6 +72,13 @@ SHOWN = {
         f'<g visibility="hidden">{BIG}<rect width="40" height="10" visibility="visible"/></g>',
         4.0,
     ),
+    "visible as what is around": (f'<g visibility="hidden"><g visibility="inherit">{BIG}</g></g>{RECT}', 4.0),
+    "visible by inheritance": (f'<g visibility="inherit">{RECT}</g>', 4.0),
+    "no display in capitals": (f'<g style="display: NONE">{BIG}</g>{RECT}', 4.0),
+    "the first of two names": (
+        f'<rect id="a" width="40" height="10"/><use href="#a"/><g id="a" display="none">{BIG}</g>',
+        4.0,
+    ),
     "no display": (f'<g display="none">{BIG}</g>{RECT}', 4.0),
     "no display of a class": (f"<style>.a, b {{display: none}}</style><g class='b a'>{BIG}</g>{RECT}", 4.0),
     "an id is above a class": (

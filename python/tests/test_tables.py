@@ -38,6 +38,7 @@ TABLES = {
     "decimal commas between tabs": ("a.tsv", b"0,01\t0,02\t0,0\n0,02\t0,02\t0,0\n"),
     "decimal commas between spaces": ("a.dat", b"0,01 0,02 0,00\n0,02 0,02 0,00\n"),
     "commas and spaces": ("a.csv", b"0.01, 0.02, 0\n 0.02 , 0.02 , 0\n"),
+    "spaces before commas": ("a.csv", b"x (mm) ,y (mm) ,z (mm)\n10 ,20 ,0\n20 ,20 ,0\n"),
     "commas at the end": ("a.csv", b"0.01,0.02,0,\n0.02,0.02,0,,\n"),
     "comments of MATLAB": ("a.txt", b"% x y z\n// m\n  0.01  0.02  0\n  0.02  0.02  0\n"),
     "an index of pandas": ("a.csv", b",x,y,z\n0,0.01,0.02,0\n1,0.02,0.02,0\n"),

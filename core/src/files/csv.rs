@@ -238,7 +238,9 @@ fn cells(line: &str) -> Vec<&str> {
     let separator = [';', '\t', ','].into_iter().find(|separator| line.contains(*separator));
     let mut cells: Vec<&str> = match separator {
         // Decimal commas between spaces; "1, 2, 3" has commas at the ends instead.
-        Some(',') if spaced().count() > 1 && spaced().all(|cell| decimal(cell).is_some()) => spaced().collect(),
+        Some(',') if spaced().count() > 1 && spaced().all(|cell| !cell.starts_with(',') && decimal(cell).is_some()) => {
+            spaced().collect()
+        }
         Some(separator) => line.split(separator).map(|cell| cell.trim().trim_matches('"').trim()).collect(),
         None => spaced().map(|cell| cell.trim_matches('"')).collect(),
     };

@@ -19,6 +19,8 @@ use crate::vec3::Vec3;
 
 /// The largest distance in m of a transducer from its place on a board.
 const NEAR: f64 = 3e-3;
+/// The largest distance in m of a transducer from its place in the array that a drive was solved for: 21 degrees of phase at 40 kHz.
+const SAME: f64 = 0.5e-3;
 /// The smallest cosine of the angle between a transducer's normal and that of its place: 8 degrees.
 const FACING: f64 = 0.99;
 /// A tip stands this far in m before each place. Tips decide between poses that places alone leave open, and weigh little.
@@ -45,13 +47,15 @@ impl Sites {
         self.places.iter().copied().chain(tips).collect()
     }
 
-    /// Returns in what these sites differ from others that may be moved and turned: the index of a site, and a text.
-    fn misfit(&self, others: &Self) -> Option<(usize, String)> {
+    /// Returns in what these sites differ from others that may be moved and turned, by more than `most` m: the index of a site,
+    /// and a text.
+    fn misfit(&self, others: &Self, most: f64) -> Option<(usize, String)> {
         let pose = Pose::between(&others.tipped(), &self.tipped());
         let there = pose.places(&others.places);
         let apart = |&k: &usize| distance(self.places[k], there[k]);
         let far = (0..there.len()).max_by(|a, b| apart(a).total_cmp(&apart(b)))?;
-        if apart(&far) > NEAR {
+        // Places that are not finite fit nowhere.
+        if apart(&far).is_nan() || apart(&far) > most {
             return Some((far, format!("{:.3} mm from its place", 1e3 * apart(&far))));
         }
         let facing = |&k: &usize| Vec3(self.normals[k]).dot(pose.direction(others.normals[k]));
@@ -84,18 +88,19 @@ impl Sites {
                 continue;
             }
             let Some(order) = self.nearest(&pose.places(&others.places)) else { continue };
-            if Self::of(&self.places, &self.normals, &order).misfit(others).is_none() {
+            if Self::of(&self.places, &self.normals, &order).misfit(others, NEAR).is_none() {
                 best = Some((pose.cosine(), order));
             }
         }
         Some(best?.1)
     }
 
-    /// Returns the index of the site nearest to each place, if each site is near to one place.
+    /// Returns the index of the site nearest to each place, if each site is near to one place. The pose of the places is rough.
     fn nearest(&self, places: &[[f64; 3]]) -> Option<Vec<usize>> {
         let mut free = vec![true; places.len()];
         let near = |&place: &[f64; 3]| {
-            let k = (0..self.places.len()).find(|&k| free[k] && distance(self.places[k], place) < NEAR)?;
+            let apart = (0..self.places.len()).filter(|&k| free[k]).map(|k| (k, distance(self.places[k], place)));
+            let (k, _) = apart.filter(|&(_, apart)| apart < 2.0 * NEAR).min_by(|a, b| a.1.total_cmp(&b.1))?;
             free[k] = false;
             Some(k)
         };
@@ -165,8 +170,11 @@ impl Array {
         if placed == channels {
             return Ok(());
         }
-        let order: Vec<_> =
-            channels.iter().filter_map(|channel| placed.iter().position(|own| own == channel)).collect();
+        let order: Vec<_> = channels
+            .iter()
+            .take(SHOWN + 1)
+            .filter_map(|channel| placed.iter().position(|own| own == channel))
+            .collect();
         let (order, placed) = (listed(&order), listed(&placed));
         let cure = format!(
             "give its transducers in the order {order}, or pins={placed} (channels= of a Board): see Array.channels_by_place"
@@ -178,7 +186,7 @@ impl Array {
     /// places, moved and turned as a whole.
     ///
     /// # Errors
-    /// Another number of transducers, a transducer more than 3 mm from its place.
+    /// Another number of transducers, a transducer more than 0.5 mm from its place.
     pub fn check_drive_of(&self, other: &Self) -> Result<(), Error> {
         let sites = |array: &Self| {
             let (places, normals) = (array.positions().to_vec(), array.normals().to_vec());
@@ -188,7 +196,7 @@ impl Array {
             format!("solved for {} transducers, the board has {}", other.len(), self.len())
         } else if self.positions() == other.positions() && self.normals() == other.normals() {
             return Ok(());
-        } else if let Some((i, misfit)) = sites(other).misfit(&sites(self)) {
+        } else if let Some((i, misfit)) = sites(other).misfit(&sites(self), SAME) {
             format!("solved for an array whose transducer {i} stands {misfit} on the board")
         } else {
             return Ok(());
@@ -211,7 +219,7 @@ impl Array {
             let mine = Sites::of(self.positions(), self.normals(), members);
             let on_board: Vec<_> = members.iter().map(|&i| channels[i] % size).collect();
             let theirs: Vec<_> = known.iter().map(|each| Sites::of(&each.places, &each.normals, &on_board)).collect();
-            let misfits: Vec<_> = theirs.iter().map_while(|each| mine.misfit(each)).collect();
+            let misfits: Vec<_> = theirs.iter().map_while(|each| mine.misfit(each, NEAR)).collect();
             if misfits.len() < theirs.len() {
                 continue;
             }

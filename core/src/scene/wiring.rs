@@ -52,7 +52,16 @@ impl Array {
             (Some(_), Some(_)) => {
                 return Err(Error::conflict("array.pins", "given with array.channels", "leave one of them out"));
             }
-            (Some(channels), None) => Board::wired(kind, channels)?,
+            (Some(channels), None) => {
+                if channels.count() == self.len() {
+                    self.check_order(format, &channels.of().iter().map(|&k| format.channel(k)).collect::<Vec<_>>())?;
+                } else if let Layout::Preset(_) = format.layout {
+                    let cure =
+                        format!("{kind} drives each transducer alone: leave them out, or give channels= of a Board");
+                    return Err(Error::conflict("array.channels", "given", cure));
+                }
+                Board::wired(kind, channels)?
+            }
             (None, Some(pins)) => {
                 let board = Board::on(kind, pins)?;
                 if let Layout::Preset(_) = format.layout {

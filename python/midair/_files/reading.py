@@ -121,7 +121,7 @@ def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64
     if counted:
         return acoustools.read(path, data, array)
     if names >= {"x", "y", "z"}:
-        raise fault(path, line, "it holds transducers", "read them by midair._files.read_array")
+        raise fault(path, line, "it holds transducers", "read them by midair.Array.from_file")
     raise fault(path, line, f'"{",".join(head)[:60]}" begins no table of drives', CSV)
 
 
@@ -152,7 +152,7 @@ def read_array(path: str | PathLike[str], **parts: Unpack[_Parts]) -> Array:
     Raises
     ------
     SceneError
-        For a file with an error, naming the line; FileNotFoundError for a missing one.
+        For a missing file, and one with an error, naming the line.
 
     Notes
     -----

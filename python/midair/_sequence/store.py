@@ -97,7 +97,13 @@ def _fingerprint(moving: Moving, setting: dict[str, Any], block: int) -> str:
     digest = sha256()
     for values in (moving.points, moving.targets):
         digest.update(np.ascontiguousarray(values).tobytes())
-    setting = {**setting, "solver": moving.solver, "aim": moving.aim, "ahead": moving.ahead}
+    setting = {
+        **setting,
+        "solver": moving.solver,
+        "aim": moving.aim,
+        "ahead": moving.ahead,
+        "closed": moving.closed,
+    }
     rest = [moving.scene.json(), moving.rate, moving.change, setting, block]
     digest.update(json.dumps(rest, sort_keys=True, default=repr).encode())
     return digest.hexdigest()

@@ -27,6 +27,8 @@ def table(path: str | PathLike[str]) -> bytes:
             found = array(path)
         else:
             found = _only(path, arrays(path) if ending == ".npz" else _matlab(path))
+        if np.iscomplexobj(found):
+            raise fault(path, None, "its numbers are complex", "give real numbers in m")
         numbers = np.ascontiguousarray(found, "<f8")
     except SceneError:
         raise

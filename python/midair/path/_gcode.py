@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Path, SceneError, stated
-from .._support.arguments import vector
+from .._support.arguments import path_of, vector
 from .._support.text import text
 from ._kinds import polyline
 
@@ -47,7 +47,8 @@ def gcode(
     Returns
     -------
     Path
-        The path from the first place that the program names; closed if it ends there.
+        The path from the first place that the program names, or from its zero if the first move is relative
+        or an arc; closed if it ends there.
 
     Raises
     ------
@@ -62,7 +63,7 @@ def gcode(
     >>> midair.path.gcode(program, frequency=5)
     Path(points=1, duration=0.2, closed=True)
     """
-    program = path if isinstance(path, str) and "\n" in path else text(path)
+    program = path if isinstance(path, str) and "\n" in path else text(path_of("path", path))
     places = _places(program) + vector("origin", origin)
     closed = len(places) > 2 and bool(np.allclose(places[0], places[-1], atol=1e-9, rtol=0))
     return polyline(
@@ -76,11 +77,15 @@ def _places(program: str) -> NDArray[np.float64]:
     unit, absolute, move, here = 1.0, True, "0", np.zeros(3)
     places: list[NDArray[np.float64]] = []
     for number, line in enumerate(program.splitlines(), 1):
-        bare = re.sub(r"\([^)]*\)|;.*|\s|%", "", line).upper()
-        words = re.findall(r"([A-Z])([+-]?(?:\d+\.?\d*|\.\d+))", bare)
-        if "".join(letter + value for letter, value in words) != bare:
+        bare = re.sub(r"\([^)]*\)|;.*|%", "", line).upper()
+        words = re.findall(r"([A-Z])\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:E[+-]?\d+)?)", bare)
+        if "".join(letter + value for letter, value in words) != re.sub(r"\s", "", bare):
             raise _wrong(number, line, "give words of a letter and a number, such as G1 X10 Y5")
+        if any(letter == "M" and float(value) in (2, 30) for letter, value in words):
+            break
         values = {letter: float(value) for letter, value in words if letter != "G"}
+        if values.get("M") == 98 or (move in "23" and "P" in values):
+            raise _wrong(number, line, "programs inside others and arcs of several turns are not read")
         for code in (value.lstrip("0") or "0" for letter, value in words if letter == "G"):
             if code in ("0", "1", "2", "3"):
                 move = code
@@ -96,7 +101,9 @@ def _places(program: str) -> NDArray[np.float64]:
         for axis, letter in enumerate("XYZ"):
             if letter in values:
                 there[axis] = unit * values[letter] + (0.0 if absolute else here[axis])
-        if move in "23" and places:
+        if not places and (not absolute or move in "23"):
+            places.append(here)
+        if move in "23":
             places.extend(_arc(here, there, {k: unit * v for k, v in values.items()}, move, number, line))
         else:
             places.append(there)

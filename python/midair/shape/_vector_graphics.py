@@ -142,7 +142,8 @@ class _Drawing:
         self.without: Counter[str] = Counter()
         self._svgelements, self._file, self._root = svgelements, file, root
         self._elements = self._letters = self._segments = 0
-        self._named = {element.get("id", ""): element for element in root.iter()}
+        # Of several elements with one name, browsers take the first.
+        self._named = {element.get("id", ""): element for element in reversed(list(root.iter()))}
         sheet = "".join(element.text or "" for element in root.iter() if _tag(element) == "style")
         if len(sheet) > MOST_STYLE:
             raise self._wrong(f"it has style sheets of more than {MOST_STYLE} letters")
@@ -198,8 +199,11 @@ class _Drawing:
         tag = _tag(element)
         self._count(element, len(around))
         own = self._properties(element)
-        inherited = {name: own.get(name, value) for name, value in inherited.items()}
-        if own.get("display") == "none" or not own.get("opacity", "1").strip("0.%"):
+        obeyed = {name: own.get(name, "inherit").strip().lower() for name in inherited}
+        inherited = {
+            name: value if obeyed[name] == "inherit" else obeyed[name] for name, value in inherited.items()
+        }
+        if own.get("display", "").strip().lower() == "none" or not own.get("opacity", "1").strip("0.%"):
             return
         visible = inherited["visibility"] == "visible"
         if tag in UNDRAWN and visible:
