@@ -398,3 +398,11 @@ def test_a_modulation_that_max_would_ignore_is_warned_of() -> None:
         midair.SceneWarning, match='aim is "max", but pressures change between frames: leave it out'
     ):
         midair.sequence(array, path, rate=2000, aim="max")
+
+
+def test_a_file_that_was_resumed_closed_is_not_the_open_one(tmp_path: Path) -> None:
+    array, ring = midair.Array.grid(8, 8, 0.01), midair.path.circle([0, 0, 0.1], 0.01, frequency=50)
+    file = tmp_path / "a.npz"
+    assert midair.sequence(array, ring, rate=RATE, resume=file).closed
+    with pytest.raises(midair.SceneError, match=r"a\.npz"):
+        midair.sequence(array, ring, rate=RATE, closed=False, resume=file)
