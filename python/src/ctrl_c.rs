@@ -76,10 +76,10 @@ impl Watch {
         }
     }
 
-    /// Largest numbers of steps and of pulses between two readings of the clock: the next ones may be a thousand times
-    /// slower.
+    /// Largest numbers of steps and of pulses between two readings of the clock. The next ones may be a thousand times slower:
+    /// after a pulse, the next step reads the clock.
     const STEPS: u32 = 256;
-    const PULSES: u32 = 4;
+    const PULSES: u32 = 1;
 
     /// Returns whether it is time to check for signals.
     ///

@@ -63,7 +63,8 @@ impl<'w> Dual<'w> {
         if let Some(metric) = metric {
             tiles::weigh(self.set, &mut self.slopes, metric);
         }
-        products::products(self.set, &self.slopes, rows.lanes, self.size, &mut self.matrix, control)
+        products::products(self.set, &self.slopes, rows.lanes, self.size, &mut self.matrix, control)?;
+        control.beat()
     }
 
     /// Returns the Cholesky factor of J J^T with `damping` of each equation added to the diagonal; `None` if f32 cannot

@@ -60,6 +60,7 @@ impl<'w> Rows<'w> {
         points.iter_mut().zip(targeted.chain(quiet.iter().copied())).for_each(|(own, j)| *own = j);
         let mut rows = Self::of(problem, points, work, control)?;
         for k in 0..rows.order.len() {
+            control.pulse()?;
             let j = rows.order[k] as usize;
             let factor = if k < rows.targeted { rows.target / targets[j] } else { weights[j] / heaviest };
             if factor != 1.0 {
