@@ -159,7 +159,8 @@ test("bytes for a board, and its silence", () => {
   const [frame, silence] = [scene.encode("sonicsurface"), scene.silence("sonicsurface")];
   assert.ok(frame instanceof Uint8Array && frame.length > 256 && silence.length > 0);
   assert.throws(() => scene.encode("sonicsurfaces"), /sonicsurface/);
-  for (const other of ["openmpd", "autd3", "nano"]) assert.throws(() => scene.encode(other), /^Error: (array|transducers) /);
+  // An OpenMPD board that is turned by a quarter has the order of a SonicSurface.
+  for (const other of ["autd3", "nano"]) assert.throws(() => scene.encode(other), /^Error: (array|transducers) /);
   scene.free();
 });
 
