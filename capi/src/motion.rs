@@ -113,18 +113,18 @@ pub unsafe extern "C" fn midair_session_follow(
         room("drives", drives, frames.saturating_mul(transducers), frames.saturating_mul(count))?;
         let mut output = vec![Complex32::ZERO; frames * count];
         let State { session, moving, model, .. } = &mut *state;
-        let mut said = Vec::new();
-        if let Some(moving) = moving {
+        if let Some(moving) = moving.as_ref() {
             session.follow_moving(moving, range.clone(), &mut output, &mut Control::none())?;
-            if message.is_wanted() {
-                said.extend(moving.strain(range, &output, model, &mut Control::none())?.map(|doubt| doubt.to_string()));
-            }
         }
+        // The session has advanced: the drives are written, whatever comes of the warnings.
         // SAFETY: `room` was checked, and the caller guarantees the buffer; both complex types are two consecutive f32.
         unsafe { write(drives.cast(), &output) };
-        if message.is_wanted() {
-            said.insert(0, state.remarks());
+        if !message.is_wanted() {
+            return Ok(String::new());
         }
+        let strain = moving.as_ref().map(|moving| moving.strain(range, &output, model, &mut Control::none()));
+        let strain = strain.transpose()?.flatten().map(|doubt| doubt.to_string());
+        let mut said: Vec<_> = [state.remarks()].into_iter().chain(strain).collect();
         said.retain(|line| !line.is_empty());
         Ok(said.join("\n"))
     })
