@@ -30,7 +30,8 @@ PYTHON = [
         "solving",
         "Solving",
         "Methods compute a drive for a scene, for many scenes at once, or repeatedly.",
-        "solve Solution solve_batch Batch Solver solvers SolverInfo OptionInfo compare Comparison bound beam",
+        "solve Solution solve_batch Batch Solver solvers SolverInfo OptionInfo compare Comparison bound beam "
+        "multiplex",
     ),
     (
         "judging",

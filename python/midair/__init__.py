@@ -84,6 +84,7 @@ if TYPE_CHECKING:
         Felt as Felt,
         Sequence as Sequence,
         SequenceMetrics as SequenceMetrics,
+        multiplex as multiplex,
         sequence as sequence,
         stream as stream,
     )

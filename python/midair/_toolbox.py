@@ -43,7 +43,7 @@ HOMES = {
     "_points.beam": "beam",
     "_points.ear": "Ear ear",
     "_points.image": "Picture image",
-    "_sequence": "Felt Sequence SequenceMetrics sequence stream",
+    "_sequence": "Felt Sequence SequenceMetrics multiplex sequence stream",
     "_studio.view": "View view",
     "_sweep": "Dataset dataset sweep",
     "_touch.haptic": "Haptic haptic",

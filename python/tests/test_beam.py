@@ -146,3 +146,36 @@ def test_what_is_no_program_gets_one_line(program: object) -> None:
     with pytest.raises(midair.SceneError) as caught:
         midair.path.gcode(program, speed=0.1)  # type: ignore[arg-type]
     assert "\n" not in str(caught.value)
+
+
+def test_a_program_of_l_code_moves_points_frame_by_frame(tmp_path: Path) -> None:
+    program = tmp_path / "two.lcode"
+    program.write_text(
+        "C5:WGS;\nC6:I200;\nC7;\nC11:200;\nL1:0.0,0.02,0.0:0,0,0.01;\nL1:0.01,0.01,0.0:0,0,0.02;# turn\n"
+        "C3:10;\nL1:0.02,0.0,0.0:0,0,0.03;\nL4;\n"
+    )
+    moved = midair.path.lcode(program, origin=[0, 0, 0.1])
+    first = np.array([[0, 0.02, 0.1], [0, 0, 0.11]])
+    step = np.array([[0.01, -0.01, 0], [0, 0, 0.01]])
+    # C3 holds the second frame for 10 ms, two frames more.
+    expected = [first, *[first + step] * 3, first + 2 * step]
+    assert moved.frames(200)[0] == pytest.approx(np.array(expected[: len(moved.frames(200)[0])]), abs=1e-12)
+    assert (moved.duration, moved.closed, moved.points) == (0.02, False, 2)
+    assert midair.path.lcode(program, rate=100, closed=True).duration == pytest.approx(0.04)
+
+
+@pytest.mark.parametrize(
+    ("program", "reported"),
+    [
+        ("C11:10;\nL0:0,0;\nL0:0,0,1;", 'line 2: "L0:0,0;" is no point: give x,y,z in m'),
+        ("C11:10;\nL0:0,0,0;\nL2:0,0,1;", "has frames of L0 and L2"),
+        ("L0:0,0,0;\nL0:0,0,1;", "rate is missing"),
+        ("C11:5;\nfunction F0\nL0:0,0,0;\nend", 'line 2: "function F0" is not read'),
+        ("C11:5;\nL0:0,0,0;\nL4;\nL0:0,0,0;", 'line 4: "L0:0,0,0;" is not read'),
+        ("C11:5;\nL0:0,0,0;\nC3:1e12;\nL0:0,0,0;", "the program has 5e\\+09 frames"),
+        ("C11:5;\nL0:0,0,0;\nL0:0,0,0:1,1,1;", "M changes from 1 to 2 at frame 1"),
+    ],
+)
+def test_l_code_that_is_no_path_is_refused(program: str, reported: str) -> None:
+    with pytest.raises(midair.SceneError, match=reported):
+        midair.path.lcode(program)

@@ -193,6 +193,11 @@ class JudgedFrames(Frames):
         return _fixed(pressures(self._scene, self._points, self._drives))
 
     @property
+    def rms(self) -> NDArray[np.float64]:
+        """Peak pressure (M,) in Pa of a constant sound that has the mean |p|^2 of the frames."""
+        return np.sqrt((self.pressures**2).mean(axis=0))
+
+    @property
     def radiation(self) -> NDArray[np.float64]:
         """Radiation pressure (T, M) in Pa on a wall at normal incidence, |p|^2/(rho c^2)."""
         return self.pressures**2 / (self._scene.density * self._scene.sound_speed**2)

@@ -32,7 +32,7 @@ from ..path import Path, read, still
 from ..path._frames import changing_pressures
 from . import store
 from .arguments import time_constant
-from .frames import AIR
+from .frames import AIR, air_of
 from .sequence import Sequence
 
 #: Largest number of frames of a modulated solution: as many as an AUTD3 board can store.
@@ -239,7 +239,6 @@ def modulated(
         raise refused("frequency", pace, f"no whole periods at {frames:g} frames/s, give {near:.6g} Hz")
     rest = still(scene.points[:1], duration=ratio.denominator / pace)
     factors = rest.modulated(frequency, shape, depth, samples_rate=samples_rate).frames(frames)[1]
-    air: dict[str, Any] = {**scene.medium, "obstacles": scene.obstacles}
     levels = np.abs(solution.pressures) / max(solution.scale, 1e-30)
     return Sequence(
         scene.array,
@@ -249,7 +248,7 @@ def modulated(
         rate=frames,
         closed=True,
         solver=solution.solver,
-        **air,
+        **air_of(scene),
     )
 
 

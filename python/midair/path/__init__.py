@@ -20,6 +20,7 @@ from .._support import slips as _slips
 from ._frames import from_array, read
 from ._gcode import gcode
 from ._kinds import circle, line, lissajous, morph, polyline, still, svg
+from ._lcode import lcode
 from ._optimal import fastest
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "fastest",
     "from_array",
     "gcode",
+    "lcode",
     "line",
     "lissajous",
     "morph",
