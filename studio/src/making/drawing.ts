@@ -7,6 +7,7 @@ import type { Vec3 } from "../state/types.ts";
 const SVG = "http://www.w3.org/2000/svg";
 const GEOMETRY: Record<string, string[]> = {
   g: [],
+  a: [],
   svg: [],
   path: ["d"],
   rect: ["x", "y", "width", "height", "rx", "ry"],
@@ -27,20 +28,45 @@ function parse(text: string): Element {
   const root = new DOMParser().parseFromString(text, "image/svg+xml").documentElement;
   if (root.localName !== "svg" || root.querySelector("parsererror")) refuse("drawing-unreadable");
   if (root.querySelector("script, foreignObject")) refuse("drawing-script");
+  refuseForeign(root);
   if (root.querySelectorAll("*").length > MOST_ELEMENTS) refuse("drawing-elements", { other: MOST_ELEMENTS });
   return root;
 }
 
-/** Returns a copy of the geometry: known elements with their shape attributes and transforms. */
-function copied(element: Element): SVGElement | null {
-  if (!Object.hasOwn(GEOMETRY, element.localName)) return null;
-  const nested = element.localName === "svg" ? "g" : element.localName;
-  const copy = document.createElementNS(SVG, nested) as SVGElement;
-  for (const name of [...GEOMETRY[element.localName], "transform"]) {
-    const value = element.getAttribute(name);
-    if (value !== null) copy.setAttribute(name, value);
+/** What children inherit, with its initial values. */
+const INHERITED = { visibility: "visible", fill: "black", stroke: "none" };
+/** Properties that decide what is seen; style sheets that set them are refused. */
+const OBEYED = /\b(display|visibility|opacity|transform)\s*:/;
+
+/** Refuses what a browser draws and this page does not. */
+function refuseForeign(root: Element): void {
+  for (const element of root.querySelectorAll("use, switch, svg, style")) {
+    if (element.localName !== "style" || OBEYED.test(element.textContent)) refuse("drawing-foreign", { other: element.localName });
   }
-  copy.append(...[...element.children].flatMap((child) => copied(child) ?? []));
+}
+
+/** Returns a copy of the geometry that a browser shows: known elements with their shape attributes and transforms. */
+function copied(element: Element, around = INHERITED): SVGElement | null {
+  if (!Object.hasOwn(GEOMETRY, element.localName)) return null;
+  // The page's policy allows no inline styles, so they are read as text.
+  const declared = (element.getAttribute("style") ?? "").split(";").map((one) => one.split(":").map((part) => part.trim()));
+  const style = new Map(declared.map(([name, value]) => [name, value]));
+  const own = (name: string) => (style.get(name) || element.getAttribute(name) || "").trim();
+  if (own("display") === "none" || /^0*\.?0*%?$/.test(own("opacity") || "1")) return null;
+  const inherited = { ...around };
+  for (const name of ["visibility", "fill", "stroke"] as const) {
+    if (own(name) && own(name) !== "inherit") inherited[name] = own(name);
+  }
+  const painted = [inherited.fill, inherited.stroke].some((paint) => !/^(none|transparent)$/.test(paint));
+  const seen = inherited.visibility === "visible" && painted;
+  const inner = GEOMETRY[element.localName];
+  if (inner.length && !seen) return null;
+  const copy = document.createElementNS(SVG, inner.length ? element.localName : "g") as SVGElement;
+  for (const name of [...inner, "transform"]) {
+    const value = (name === "transform" && style.get(name)) || element.getAttribute(name);
+    if (value) copy.setAttribute(name, value);
+  }
+  copy.append(...[...element.children].flatMap((child) => copied(child, inherited) ?? []));
   return copy;
 }
 

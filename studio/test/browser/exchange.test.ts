@@ -83,7 +83,20 @@ test("an SVG that is dropped in becomes points along its lines; one with a scrip
   await drop("bad.svg", svg("<script>1</script><rect width='8' height='8'/>"));
   const alert = page.getByRole("alert");
   await expect.poll(() => alert.innerText()).toMatch(/bad\.svg: the drawing has a script/);
+  await drop("use.svg", svg('<rect id="a" width="8" height="8"/><use href="#a" x="9"/>'));
+  await expect.poll(() => alert.innerText()).toMatch(/use\.svg: the drawing has <use>, which the page does not draw/);
   expect(await points()).toEqual(found);
+  // Of all these a browser shows one rectangle, twice as wide as high.
+  const hidden = [
+    '<rect width="10" height="3" display="none"/>',
+    '<g style="visibility: hidden"><rect width="10" height="3"/><rect x="6" y="1" width="4" height="2" visibility="visible"/></g>',
+    '<g opacity="0"><circle r="9"/></g>',
+    '<path d="M0 0H30" fill="none"/>',
+    '<defs><rect width="90" height="1"/></defs>',
+  ];
+  await drop("hidden.svg", svg(hidden.join("")));
+  await expect.poll(points).not.toEqual(found);
+  for (const [x, y] of await points()) expect(Math.max(Math.abs(x), 2 * Math.abs(y))).toBeCloseTo(0.04, 5);
 });
 
 test("a file of another kind gets the list of readable kinds, a damaged picture is rejected", async () => {
