@@ -58,6 +58,12 @@ SHOWN = {
         f'{SQUARE}<rect x="50" width="40" height="10" transform="rotate(90)" transform-origin="50 0"/>',
         50 / 40,
     ),
+    "lengths with units": (
+        '<rect style="transform: translate(10mm) scaleX(2)" width="40" height="10"/><path d="M0 0h1v1"/>',
+        (10 * 96 / 25.4 + 80) / 10,
+    ),
+    "a colour without blue": ('<rect width="40" height="10" fill="rgb(255,0,0)"/>', 4.0),
+    "turns": ('<rect style="transform: rotate(0.25turn)" width="10" height="40"/>', 4.0),
     "a mask": (f'<mask id="m">{BIG}</mask>{RECT}', 4.0),
     "a clip": (f'<clipPath id="m">{BIG}</clipPath>{RECT}', 4.0),
     "a marker": (f'<marker id="m">{BIG}</marker>{RECT}', 4.0),
@@ -133,6 +139,21 @@ LEFT_OUT = {
     "a clip": (f'<g clip-path="url(#m)">{RECT}</g>', "1 clip-path"),
     "markers": ('<path d="M0 0h40v10" marker-end="url(#m)"/>', "1 marker"),
     "no paint": (f'<path d="M-90 0h900v900z" fill="none"/>{RECT}', "1 shape without fill and stroke"),
+    "no opacity of its fill": (f'<g fill-opacity="0">{BIG}</g>{RECT}', "1 shape without fill and stroke"),
+    "a clear colour": (f'<g fill="rgba(9, 9, 9, 0)">{BIG}</g>{RECT}', "1 shape without fill and stroke"),
+    "no width": (f'<g fill="none" stroke="red" stroke-width="0">{BIG}</g>{RECT}', "1 shape without"),
+    "outside of the page": (
+        f'<g transform="translate(301)">{BIG}</g>{RECT}',
+        "1 outline outside of the page",
+    ),
+    "for printers": (
+        f"<style>@media print {{rect {{display: none}}}}</style>{RECT}",
+        'style of "@media print"',
+    ),
+    "a box of its own": (
+        '<rect width="40" height="10" style="transform-box: fill-box; transform: scale(2)"/>',
+        "1 transform-box",
+    ),
     "another file": (f'<use href="other.svg#a"/>{RECT}', r'1 use of "other\.svg#a"'),
     "a rule": (f"<style>g > rect {{display: none}}</style>{RECT}", '1 style of "g > rect"'),
 }
@@ -145,6 +166,20 @@ def test_what_a_browser_shows_and_midair_does_not_draw_is_named(name: str) -> No
         assert ratio(inside) == pytest.approx(4.0, rel=3e-3)
     assert len(found) == 1
     assert "\n" not in str(found[0].message)
+
+
+@pytest.mark.parametrize(
+    "transform", ["rotateZ(9deg)", "translate(50%)", "skew(9deg)", "translate3d(1px, 2px, 0)"]
+)
+def test_a_transform_that_is_not_read_is_refused(transform: str) -> None:
+    with pytest.raises(midair.SceneError, match=r"its transform .* is not read, give a matrix"):
+        drawn(f'<rect width="40" height="10" style="transform: {transform}"/>')
+
+
+def test_a_drawing_of_no_page_has_no_outside() -> None:
+    inside = '<path d="M0 0H400V100H0Z"/><circle cx="300" r="9"/>'
+    drawing = f'<svg xmlns="http://www.w3.org/2000/svg" width="100%">{inside}</svg>'
+    assert np.ptp(shape.svg(drawing, size=0.4, z=0.1), axis=0)[0] == pytest.approx(0.4)
 
 
 def test_a_drawing_of_text_alone_says_so() -> None:

@@ -47,6 +47,23 @@ UNDRAWN = ("text", "image", "foreignObject")
 
 #: Properties that children inherit, with their initial values.
 INHERITED = {"visibility": "visible", "fill": "black", "stroke": "none"}
+INHERITED |= dict.fromkeys(("fill-opacity", "stroke-opacity", "stroke-width"), "1")
+
+#: Paints and sizes of which nothing is seen.
+CLEAR = re.compile(
+    r"none|transparent|(rgb|hsl)a?\((([^,]*,){3}|.*/)\s*0*\.?0*%?\s*\)|#([\da-f]{3}|[\da-f]{6}0)0"
+)
+NOTHING = re.compile(r"(?=[0.])0*\.?0*(px|%)?")
+
+#: Rules of style sheets for some devices, fonts and the like.
+AT_RULE = re.compile(r"@[^{};]*(;|\{([^{}]*\{[^{}]*\})*[^{}]*\})")
+
+#: Functions of a transform that are read; lengths in them.
+FUNCTIONS = {"matrix", "rotate"} | {
+    f"{name}{axis}" for name in ("translate", "scale") for axis in ("", "x", "y")
+}
+FUNCTIONS |= {"skewx", "skewy"}
+LENGTH = re.compile(r"[-+.\de]+(px|mm|cm|in|pt|pc|q)\b", re.IGNORECASE)
 
 #: Properties that change what is seen. The others, such as widths and filters, have no effect.
 OBEYED = (*INHERITED, "display", "opacity", "transform", "transform-origin")
@@ -84,7 +101,8 @@ def svg(path: str | PathLike[str], *, size: float, z: float, step: float = STEP)
     Notes
     -----
     It draws the outlines of what a browser shows, without clips, masks, markers, pictures and text; a warning
-    names these. Colours and widths have no effect, except that a shape without fill and stroke is left out.
+    names these, and outlines outside of the page. Colours and widths have no effect, except that a shape
+    without fill and stroke is left out.
 
     Examples
     --------
@@ -147,6 +165,7 @@ class _Drawing:
         sheet = "".join(element.text or "" for element in root.iter() if _tag(element) == "style")
         if len(sheet) > MOST_STYLE:
             raise self._wrong(f"it has style sheets of more than {MOST_STYLE} letters")
+        self._page = np.full(2, np.inf)
         self._rules = self._sheet(re.sub(r"/\*.*?\*/", "", sheet, flags=re.DOTALL))
 
     def contours(self) -> Iterator[Contour]:
@@ -154,7 +173,11 @@ class _Drawing:
         if _tag(self._root) == "svg":
             # All elements are counted before the first one is sampled.
             for shape in list(self._shapes(self._root, np.eye(3), INHERITED, np.zeros(2), (), {})):
-                yield from self._sampled(*shape)
+                for vertices, closed in self._sampled(*shape):
+                    if ((vertices < 0).all(axis=0) | (vertices > self._page).all(axis=0)).any():
+                        self.without["outline outside of the page"] += 1
+                    else:
+                        yield vertices, closed
 
     def _wrong(self, what: str) -> SceneError:
         return refused("path", self._file, f"{what}, simplify it")
@@ -162,6 +185,10 @@ class _Drawing:
     def _sheet(self, text: str) -> list[tuple[str, dict[str, str]]]:
         """Return the rules of style sheets by rising specificity: the selector and its declarations."""
         rules = []
+        for rule in AT_RULE.finditer(text):
+            if any(f"{name}:" in rule[0].replace(" ", "") for name in OBEYED):
+                self.without[f'style of "{shown(rule[0].partition("{")[0].strip())[1:-1]}"'] += 1
+        text = AT_RULE.sub("", text)
         for selectors, body in re.findall(r"([^{}]+)\{([^{}]*)\}", text):
             declared = _declarations(body)
             for selector in map(str.strip, selectors.split(",")):
@@ -213,7 +240,9 @@ class _Drawing:
         self.without.update(name for name in ("clip-path", "mask") if own.get(name, "none") != "none")
         matrix = matrix @ self._transform(own, viewport)
         if tag in SHAPES and visible:
-            if {inherited["fill"], inherited["stroke"]} <= {"none", "transparent"}:
+            empty = {name for name in ("fill", "stroke") if CLEAR.fullmatch(inherited[name])}
+            empty |= {name.split("-")[0] for name in inherited if NOTHING.fullmatch(inherited[name])}
+            if empty >= {"fill", "stroke"}:
                 self.without["shape without fill and stroke"] += 1
                 return
             if any(name.startswith("marker") and own[name] != "none" for name in own):
@@ -269,7 +298,12 @@ class _Drawing:
     def _transform(self, own: dict[str, str], viewport: Points) -> Matrix:
         if "transform" not in own:
             return np.eye(3)
-        found = self._svgelements.Matrix(own["transform"])
+        text = own["transform"]
+        if set(re.findall(r"(\w+)\s*\(", text.lower())) - FUNCTIONS or "%" in text:
+            raise refused("path", self._file, f"its transform {shown(text)} is not read, give a matrix")
+        if own.get("transform-box", "view-box") != "view-box":
+            self.without["transform-box"] += 1
+        found = self._svgelements.Matrix(LENGTH.sub(lambda one: f"{self._length(one[0], 0.0)}", text))
         linear = np.array([[found.a, found.c], [found.b, found.d]], float)
         words = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
         origin = [words.get(word, word) for word in own.get("transform-origin", "0 0").split()]
@@ -284,6 +318,9 @@ class _Drawing:
         outer = viewport if viewport.any() else inner if len(inner) else np.full(2, 100.0)
         lengths = [self._length(own.get(name), side) for name, side in zip(SIZES, outer, strict=True)]
         size = np.array([side if one is None else one for one, side in zip(lengths, outer, strict=True)])
+        stated = None not in lengths and not any("%" in own[name] for name in SIZES)
+        if not viewport.any() and (len(numbers) == 4 or stated):
+            self._page = size
         # The outermost <svg> has no place.
         axes = "xy" if viewport.any() else ("", "")
         place = [self._length(own.get(axis), side) or 0.0 for axis, side in zip(axes, outer, strict=True)]
