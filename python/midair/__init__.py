@@ -35,8 +35,7 @@ if TYPE_CHECKING:
     from ._judging.compare import Comparison as Comparison, compare as compare
     from ._judging.exposure import Exposed as Exposed, Exposure as Exposure, exposure as exposure
     from ._judging.streaming import Streaming as Streaming, streaming as streaming
-    from ._judging.tolerance import Kept as Kept, Tolerance as Tolerance
-    from ._judging.tolerate import tolerate as tolerate
+    from ._judging.tolerate import Kept as Kept, Tolerance as Tolerance, tolerate as tolerate
     from ._measuring.calibrate import calibrate as calibrate, calibration_drives as calibration_drives
     from ._measuring.doctor import doctor as doctor
     from ._measuring.player import Fault as Fault, Report as Report, Tuning as Tuning

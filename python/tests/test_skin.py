@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 import midair
 from midair._midair import Membrane
-from midair._touch.membrane import Triangles, on_mesh
+from midair._touch.skin import Triangles, on_mesh
 
 ARRAY = midair.Array.preset("autd3", tiles=(2, 2))
 HEIGHT = 0.2

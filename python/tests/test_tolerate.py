@@ -14,7 +14,7 @@ import pytest
 
 import midair
 from midair import _cli as cli
-from midair._judging.tolerance import faulty
+from midair._judging.tolerate import faulty
 
 ARRAY = midair.Array.grid(16, 16, 10e-3)
 POINTS = np.array([[-0.03, 0.01, 0.15], [0.02, 0.03, 0.15], [0.01, -0.03, 0.16]])

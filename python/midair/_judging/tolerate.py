@@ -2,19 +2,326 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from inspect import signature
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from .._boards.layout import changed
 from .._midair import Scene, SceneError, Solution, about, judge, numbers, solve, solvers, stated, unknown_name
-from .._support.arguments import callback, refused, whole
+from .._support import text as columns
+from .._support.arguments import callback, number, refused, whole
 from .._support.cache import Arrays
 from .._sweep.engine import Job, Settings, Stopped, go_on, pieces, run
-from .tolerance import TOGETHER, Kept, Tolerance, faulty, sizes
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from .._pictures.figures import Size
+
+#: Sound speed in m/s at 0 degrees C, and that temperature in K: docs/conventions.md.
+SPEED, ZERO = 331.3, 273.15
+
+Responses: TypeAlias = NDArray[np.complex128]
+
+
+def sizes(**requested: float) -> dict[str, float]:
+    """Return the faults above 0, in the order of `FAULTS`; rejects values out of range."""
+    read = {name: number(name, requested[name], least=0) for name in FAULTS}
+    for name, size in read.items():
+        if size > FAULTS[name].most:
+            raise refused(name, size, f"give at most {FAULTS[name].most:g}")
+    return {name: size for name, size in read.items() if size > 0}
+
+
+def faulty(scene: Scene, faults: Mapping[str, float], seed: int, trial: int) -> Scene:
+    """Return the scene with the faults of a trial. Each fault has random numbers of its own."""
+    for index, (name, fault) in enumerate(FAULTS.items()):
+        if name in faults:
+            random = np.random.default_rng([seed, trial, index])
+            scene = fault.draw(scene, faults[name], random)
+    return scene
+
+
+def _responses(scene: Scene, factors: NDArray[np.float64] | Responses) -> Scene:
+    array = scene.array
+    own = 1.0 if array.response is None else array.response
+    return _changed(scene, response=np.asarray(own * factors, complex))
+
+
+def _changed(scene: Scene, **parts: Any) -> Scene:
+    return scene.replace(array=changed(scene.array, quantization=None, **parts))
+
+
+def _phase(scene: Scene, size: float, random: np.random.Generator) -> Scene:
+    angles = np.radians(size) * random.standard_normal(len(scene.array))
+    return _responses(scene, np.exp(1j * angles))
+
+
+def _gain(scene: Scene, size: float, random: np.random.Generator) -> Scene:
+    return _responses(scene, np.maximum(1 + size * random.standard_normal(len(scene.array)), 0))
+
+
+def _dead(scene: Scene, size: float, random: np.random.Generator) -> Scene:
+    return _responses(scene, np.where(random.random(len(scene.array)) < size, 0.0, 1.0))
+
+
+def _reversed(scene: Scene, size: float, random: np.random.Generator) -> Scene:
+    return _responses(scene, np.where(random.random(len(scene.array)) < size, -1.0, 1.0))
+
+
+def _temperature(scene: Scene, size: float, random: np.random.Generator) -> Scene:
+    # The error is applied to the absolute temperature, which is proportional to the square of the sound
+    # speed.
+    believed = ZERO * (scene.sound_speed / SPEED) ** 2
+    real = max(believed + size * random.standard_normal(), ZERO / 4)
+    return scene.replace(sound_speed=SPEED * math.sqrt(real / ZERO))
+
+
+def _tilt(scene: Scene, size: float, random: np.random.Generator) -> Scene:
+    array = scene.array
+    axis, angle = random.standard_normal(3), np.radians(size) * random.standard_normal()
+    forward = array.normals.mean(axis=0)
+    if (length := np.linalg.norm(forward)) > 0.1:
+        # A rotation in the array's own plane is no tilt. Boards that face each other have no such plane.
+        axis -= axis @ forward * forward / length**2
+    turn = _rotation(axis / np.linalg.norm(axis), float(angle))
+    middle = array.positions.mean(axis=0)
+    positions = middle + (array.positions - middle) @ turn.T
+    return _changed(scene, positions=positions, normals=array.normals @ turn.T)
+
+
+def _rotation(axis: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
+    """Return the matrix (3, 3) of a rotation about an axis of length 1 (Rodrigues)."""
+    x, y, z = axis
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    turn: NDArray[np.float64] = np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
+    return turn
+
+
+def _position(scene: Scene, size: float, random: np.random.Generator) -> Scene:
+    array = scene.array
+    moved = array.positions + size * random.standard_normal(array.positions.shape)
+    return _changed(scene, positions=moved)
+
+
+class Fault(NamedTuple):
+    """A fault: a function that draws it at random, its largest value, and its text with the unit."""
+
+    draw: Callable[[Scene, float, np.random.Generator], Scene]
+    most: float
+    unit: str
+
+
+#: A fault's index is part of its random seed, so the order must not change.
+FAULTS = {
+    "phase": Fault(_phase, 180.0, "sd {:g} degrees"),
+    "gain": Fault(_gain, 1.0, "sd {:g}"),
+    "dead": Fault(_dead, 1.0, "{:g} of all"),
+    "reversed": Fault(_reversed, 1.0, "{:g} of all"),
+    "temperature": Fault(_temperature, 50.0, "sd {:g} K"),
+    "tilt": Fault(_tilt, 45.0, "sd {:g} degrees"),
+    "position": Fault(_position, 0.01, "sd {:g} m"),
+}
+
+
+#: Spread of the dots of one row, relative to the distance between rows.
+SPREAD = 0.3
+
+
+#: The panels of the picture.
+Panel = Literal["level", "uniformity"]
+PANELS = get_args(Panel)
+
+#: The quantile that the table shows.
+PART = 0.05
+
+#: Name of the row with all faults together.
+TOGETHER = "together"
+
+
+@dataclass(frozen=True, eq=False)
+class Kept:
+    """Fractions of level and uniformity that remain in trials with some faults.
+
+    Attributes
+    ----------
+    level, uniformity : (T,) ndarray
+        Values in T trials, relative to the value without faults.
+
+    Examples
+    --------
+    >>> import midair, numpy as np
+    >>> midair.Kept(np.array([0.9, 1.0]), np.array([0.8, 1.0])).summary()["level"]
+    0.95
+    """
+
+    level: NDArray[np.float64]
+    uniformity: NDArray[np.float64]
+
+    def summary(self) -> dict[str, float]:
+        """Return mean, 5 % quantile and worst value of level and uniformity by name."""
+        reported = {}
+        for name, values in (("level", self.level), ("uniformity", self.uniformity)):
+            reported[name] = float(values.mean())
+            reported[f"{name}_5"] = float(np.quantile(values, PART))
+            reported[f"{name}_worst"] = float(values.min())
+        return reported
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Tolerance:
+    """Fractions of level and uniformity that remain with each fault, from `midair.tolerate`.
+
+    Prints as a table; `["phase"]` is a row.
+
+    Attributes
+    ----------
+    solution : midair.Solution or None
+        The solution that is played; None if only a drive was given.
+    faults : mapping of str to float
+        Sizes of the faults by name, those above 0.
+    rows : mapping of str to midair.Kept
+        For each fault, and "together" for all of them if there are several: the results of its trials.
+    status : str
+        "done", or "stopped" if there are fewer trials than requested.
+
+    Examples
+    --------
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
+    >>> midair.tolerate(scene, phase=20, gain=0.1, trials=20).trials
+    20
+    """
+
+    solution: Solution | None
+    faults: Mapping[str, float]
+    rows: Mapping[str, Kept]
+    status: str
+
+    @property
+    def trials(self) -> int:
+        """Number of trials of each row."""
+        return len(next(iter(self.rows.values())).level)
+
+    def _size(self, name: str) -> str:
+        """Return the size of a row's fault with its unit; "" for the row of all faults."""
+        return FAULTS[name].unit.format(self.faults[name]) if name in FAULTS else ""
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        """Return the table as columns: fault, size; mean, 5 % quantile, worst of level and uniformity."""
+        table: dict[str, list[Any]] = {
+            "fault": list(self.rows),
+            "size": [self.faults.get(name) for name in self.rows],
+        }
+        for row in self.rows.values():
+            for name, value in row.summary().items():
+                table.setdefault(name, []).append(value)
+        return table
+
+    def cells(self) -> dict[str, list[str]]:
+        """Return the table as text: the fractions of level and uniformity that remain."""
+        table = {"fault": list(self.rows)}
+        table["size"] = [self._size(name) for name in self.rows]
+        reported = [row.summary() for row in self.rows.values()]
+        for name in reported[0]:
+            head = name.replace("_5", " 5 %").replace("_", " ")
+            table[head] = [f"{row[name]:.4f}" for row in reported]
+        return table
+
+    def plot(
+        self,
+        ax: Axes | None = None,
+        *,
+        panels: Panel | Iterable[Panel] | None = None,
+        size: Size | None = None,
+    ) -> Figure:
+        """Draw every trial's level and uniformity, with a row for each fault.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes of your own for one panel, the first of `panels`.
+        panels : {"level", "uniformity"} or list of them, optional
+            The panels to draw; by default both.
+        size : float or (float, float), optional
+            Size of the figure in inches: its width, or (width, height).
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure.
+
+        Raises
+        ------
+        SceneError
+            If a panel or the size is invalid.
+        """
+        from .._pictures.figures import chosen, head, new_figure, whole
+
+        names = chosen(panels, PANELS, ax)
+        rows = list(self.rows)
+        if ax is None:
+            figure: Figure = new_figure(4.5 * len(names), 1.8 + 0.5 * len(rows), size)
+            axes = list(figure.subplots(1, len(names), sharey=True, squeeze=False)[0])
+        else:
+            figure, axes = whole(ax), [ax]
+        aside = SPREAD * np.random.default_rng(0).uniform(-1, 1, self.trials)
+        for one, what in zip(axes, names, strict=True):
+            for row, name in enumerate(rows):
+                values = getattr(self.rows[name], what)
+                worse = np.quantile(values, PART)
+                one.scatter(values, row + aside, s=6, alpha=0.35, linewidths=0, color="tab:blue")
+                ends = row - 0.4, row + 0.4
+                one.vlines(values.mean(), *ends, color="black", label="" if row else "mean")
+                one.vlines(worse, *ends, color="tab:red", label="" if row else f"{PART:.0%} are worse")
+            one.set(xlabel=f"{what} kept")
+            one.axvline(1, color="lightgrey", zorder=0)
+            one.grid(axis="x", alpha=0.3)
+        labels = ["\n".join(filter(None, (name, self._size(name)))) for name in rows]
+        axes[0].set_yticks(range(len(rows)), labels)
+        axes[0].invert_yaxis()
+        if ax is not None:
+            ax.legend()
+            return figure
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+        played = "a drive" if self.solution is None else self.solution.solver
+        head(figure, f"{played}, {self.trials} trials a row")
+        return figure
+
+    def __repr__(self) -> str:
+        return f"{columns.plain(self.cells())}\n{self.heading}"
+
+    def _repr_html_(self) -> str:
+        return columns.html(self.cells(), self.heading)
+
+    @property
+    def sentence(self) -> str:
+        """Level and uniformity that 95 % of the trials keep, in one sentence."""
+        name = TOGETHER if TOGETHER in self.rows else next(iter(self.rows))
+        reported = self.rows[name].summary()
+        faults = "all faults together" if name == TOGETHER else f"{name} alone"
+        return (
+            f"{faults}: {1 - PART:.0%} of the trials keep {reported['level_5']:.1%} of the level or more, "
+            f"and {reported['uniformity_5']:.1%} of the uniformity"
+        )
+
+    @property
+    def heading(self) -> str:
+        """Meaning of the table's numbers, and the number of trials."""
+        stopped = ", stopped" if self.status == "stopped" else ""
+        return f"parts kept of level and uniformity, {self.trials} trials a row{stopped}"
+
+    def __getitem__(self, name: str) -> Kept:
+        if name not in self.rows:
+            raise KeyError(f'no fault is named "{name}": there are {", ".join(self.rows)}')
+        return self.rows[name]
+
 
 #: Largest number of trials. They take hours, and means and quantiles then have a statistical error of only a
 #: thousandth of the spread.

@@ -29,9 +29,8 @@ from .._sequence.drives import lowered
 from .._support.arguments import number, refused, warn, without_warnings, word
 from .._support.text import Facts
 from ..path import Path
-from .membrane import model_of
 from .schedule import SPEEDS, Curve, Foci, Technique, moving, usual
-from .skin import Skin, skin
+from .skin import Skin, model_of, skin
 
 #: The skin is a square grid of points: their number per side, and the margin in m between shape and edge.
 COARSE, MARGIN = 33, 0.015
