@@ -24,7 +24,7 @@ RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml python/build.rs 
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-serve test-long gateware test-studio npm test-npm unity test-unity lint fuzz sanitize bench bench-capi bench-peers measured pictures look docs generated api schema golden map header stubs pins wheels release clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-serve test-long gateware test-studio npm test-npm unity test-unity lint fuzz sanitize bench bench-capi bench-peers measured pictures look docs generated api schema golden map header pins wheels release clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -42,7 +42,7 @@ setup: .venv/ready ## Build midair into .venv
 	@touch .venv/extension
 
 # The extension for `make check`: compiled with the tests' profile, only if a Rust file is newer than the installed one.
-.venv/extension: .venv/ready $(RUST) python/midair/_toolbox.py python/midair/_keywords.pyi
+.venv/extension: .venv/ready $(RUST) python/midair/_toolbox.py
 	$(call step,package: the extension as the tests are compiled (2 min; 20 s after a change),$(BIN)/maturin develop --uv --quiet)
 	@touch $@
 
@@ -229,10 +229,7 @@ book/.venv/ready studio/.venv/ready: %/.venv/ready: %/requirements.txt .venv/rea
 		> "$$(echo $(@D)/lib/python*/site-packages)/midair.pth"
 	touch $@
 
-generated: stubs schema api map header ## Write all generated files anew, except those that need a word: golden and pins
-
-stubs: .venv/extension # python/midair/_keywords.pyi
-	$(PYTHON) python/stubs/keywords.py
+generated: schema api map header ## Write all generated files anew, except those that need a word: golden and pins
 
 schema: .venv/extension # docs/*.schema.json, docs/columns.md, fuzz/*.dict
 	$(PYTHON) book/schema.py
@@ -264,4 +261,4 @@ release: setup studio npm ## Rehearse a release: all parts into out/release, eac
 
 clean: ## Remove what was built
 	$(CARGO) clean
-	rm -rf .venv out bench/.envs core/tests/no_std/target python/midair/*.so python/midair/_midair.pyi studio/.venv studio/node_modules studio/built python/midair/_studio/built
+	rm -rf .venv out bench/.envs core/tests/no_std/target python/midair/*.so python/midair/_*.pyi studio/.venv studio/node_modules studio/built python/midair/_studio/built

@@ -56,7 +56,7 @@ def method(
     `self`.
     """
     home, _, key = function.target_path.removeprefix("midair.").rpartition(".")
-    found = pkg[home].members[key]
+    found = (pkg[home] if home else pkg).members[key]
     if found.is_alias:
         return method(name, pkg, found, owner)
     parameters = griffe.Parameters(*list(found.parameters)[1:])

@@ -10,7 +10,6 @@ pub mod answer;
 pub mod array;
 pub mod batch;
 pub mod board;
-mod instruction_set;
 pub mod memory;
 pub mod motion;
 mod option;

@@ -6,8 +6,6 @@ use midair::{
     OptionValue, Options, PartKind, PartValue, Quantization, Scene, Session, Transducer, Value, word,
 };
 
-use crate::instruction_set::instruction_set;
-
 /// A value that a C program passes.
 #[derive(Clone, Copy)]
 pub(crate) enum Input<'a> {
@@ -52,7 +50,7 @@ impl Setting {
 
     /// Makes the model and the session.
     pub(crate) fn open(&self) -> Result<(Model, Session), Error> {
-        let set: InstructionSet = instruction_set()?;
+        let set: InstructionSet = InstructionSet::requested()?;
         let Extras { signature, bead, obstacles, solver: _, plane: _ } = self.extras.clone();
         let model = Model::new(&self.array, self.medium, set)?.with_signature(signature).with_bead(bead);
         let model = if obstacles.is_empty() { model } else { model.with_obstacles(&obstacles)? };

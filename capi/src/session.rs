@@ -4,11 +4,10 @@ use std::ffi::c_char;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use midair::files::{Format, Source, open};
-use midair::{Control, Error, Model, Moving, Precision, Problem, Request, SolveRequest};
+use midair::{Control, Error, InstructionSet, Model, Moving, Precision, Problem, Request, SolveRequest};
 
 use crate::answer::{Answer, Metrics};
 use crate::array::Array;
-use crate::instruction_set::instruction_set;
 use crate::memory::{
     Complex, Lists, drive as read_drive, fill, give, handle, list, path_or_none, room, text, vectors, write,
 };
@@ -46,7 +45,8 @@ impl State {
 
     /// Makes a session from the text of a scene. Also returns warnings about probable mistakes.
     pub(crate) fn of_scene(text: &str, source: Source<'_>) -> Result<(Self, String), Error> {
-        let (scene, moving) = open(text.as_bytes(), Format::of_text(text.as_bytes()), source, instruction_set()?)?;
+        let (scene, moving) =
+            open(text.as_bytes(), Format::of_text(text.as_bytes()), source, InstructionSet::requested()?)?;
         let (state, said) = Self::open(Setting::of_scene(&scene)?, &[])?;
         let scene_request = moving.is_none().then(|| SolveRequest::of_scene(&scene));
         let doubts = moving.iter().flat_map(Moving::doubts).map(|doubt| doubt.to_string());
@@ -323,30 +323,5 @@ pub extern "C" fn midair_session_free(session: Option<Box<Session>>) {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::ptr::null_mut;
-
-    use super::*;
-
-    #[test]
-    fn a_session_at_work_elsewhere_is_refused() {
-        let array = midair::Array::grid(4, 4, 0.01).expect("a grid");
-        let (state, _) = State::open(Setting::new(array, "fast").expect("a setting"), &[]).expect("a state");
-        let mut session = Session(Mutex::new(state));
-        let session = &raw mut session;
-        let (mut drive, mut text) = ([Complex { re: 0.0, im: 0.0 }; 16], [0; 100]);
-        let (drive, said, point) = (drive.as_mut_ptr(), text.as_mut_ptr(), [0.0, 0.0, 0.1]);
-        let (points, none) = (point.as_ptr(), std::ptr::null());
-        // SAFETY: the arguments are a session, a point, and buffers for 16 drives and 100 characters.
-        let solve =
-            || unsafe { midair_session_solve(session, points, none, none, 1, drive, 16, null_mut(), said, 100) };
-        // SAFETY: as above.
-        let state = unsafe { Session::behind(session) }.and_then(Session::state).expect("a session at rest");
-        assert_eq!(solve(), Outcome::Invalid);
-        drop(state);
-        // SAFETY: the text ends with NUL.
-        let said = unsafe { std::ffi::CStr::from_ptr(said) }.to_str();
-        assert_eq!(said, Ok("session is at work in another thread: give each thread a session of its own"));
-        assert_eq!(solve(), Outcome::Ok);
-    }
-}
+#[path = "tests/session.rs"]
+mod tests;

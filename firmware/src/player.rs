@@ -6,8 +6,7 @@ use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
 use midair::{
-    Array, Board, Complex32, Control, Error, InstructionSet, Model, Problem, Request, Solution, Solve,
-    Workspace, solve,
+    Array, Board, Complex32, Control, Error, InstructionSet, Model, Problem, Request, Solution, Solve, Workspace, solve,
 };
 
 /// Radius and height of the circle, in m.

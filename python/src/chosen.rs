@@ -7,9 +7,8 @@ use midair::{Choice, Options, Problem, Quantization};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::energy;
 use crate::error::refused;
-use crate::function::{Function, Raised};
+use crate::function::{Function, Objective, Raised};
 use crate::read;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -83,7 +82,7 @@ impl Chosen {
             let (chosen, configured) = Self::of(choice, configured);
             return Ok((chosen, configured, raised));
         }
-        let (energy, options) = energy::Function::take(options)?;
+        let (energy, options) = Objective::take(options)?;
         let (chosen, configured) = Self::read(file, board, naming, options.as_ref())?;
         let Some(energy) = energy else { return Ok((chosen, configured, Raised::default())) };
         let (choice, raised) = (Arc::unwrap_or_clone(chosen.choice), energy.raised());

@@ -2,14 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use midair::Key;
-use midair::files::{self, Format, MOST_BYTES, Provenance, Source};
+use midair::files::{self, Columns, Format, MOST_BYTES, POSITIONS, Provenance, Source};
+use midair::{Complex32, Key};
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString};
 
 use crate::draw;
-use crate::error::{invalid, refused};
+use crate::error::{error_of, invalid, refused};
 use crate::toolbox;
+use crate::{give, node, read as reading};
 
 /// Returns a file's bytes, by Python's own functions: Ctrl-C ends them, also while a pipe has no writer.
 pub(crate) fn bytes_of(py: Python<'_>, path: &Path) -> PyResult<Vec<u8>> {
@@ -88,4 +90,73 @@ fn keys(py: Python<'_>, all: impl IntoIterator<Item = (&'static str, &'static [K
         }
     }
     Ok(tables)
+}
+
+/// Returns the tables in a sweep file's text; `name` is its name in errors.
+#[pyfunction]
+pub(crate) fn read_sweep<'py>(py: Python<'py>, text: &[u8], name: &str) -> PyResult<Bound<'py, PyAny>> {
+    let tables = files::read_sweep(text, Format::of_document(name, text), Source { name, folder: None });
+    node::object(py, &tables.map_err(refused)?)
+}
+
+/// Returns the SceneError about a value in a text with its line; None if the text has no such value.
+///
+/// Parameters
+/// ----------
+/// error : midair.SceneError
+///
+/// Returns
+/// -------
+/// midair.SceneError or None
+#[pyfunction]
+pub(crate) fn placed(text: &[u8], name: &str, error: &Bound<'_, PyAny>) -> PyResult<Option<Py<PyAny>>> {
+    let source = Source { name, folder: None };
+    let fault = files::placed(text, Format::of_document(name, text), source, &error_of(error)?);
+    Ok(fault.map(|fault| refused(fault).into_value(error.py()).into_any()))
+}
+
+/// Line number of each row (R,), and the rows (R, C) in the order of the names.
+type Read<'py> = (Bound<'py, PyArray1<usize>>, Bound<'py, PyArray2<f64>>);
+
+/// Reads the table in a file's bytes; `name` is its name in errors. `names` are the columns, by default those of positions,
+/// and `optional` further ones, which are NaN where they are missing.
+#[pyfunction(name = "read_table")]
+#[pyo3(signature = (text, name, names=None, optional=None, units="in metres", example=""))]
+pub(crate) fn table<'py>(
+    py: Python<'py>,
+    text: &[u8],
+    name: &str,
+    names: Option<Vec<String>>,
+    optional: Option<Vec<String>>,
+    units: &str,
+    example: &str,
+) -> PyResult<Read<'py>> {
+    let names: Option<Vec<&str>> = names.as_ref().map(|names| names.iter().map(String::as_str).collect());
+    let optional = optional.unwrap_or_default();
+    let optional: Vec<&str> = optional.iter().map(String::as_str).collect();
+    let choices = names.as_deref().map(|names| [names]);
+    let own = |choices| Columns { choices, optional: &optional, units, example };
+    let columns = choices.as_ref().map_or(POSITIONS, |choices| own(choices));
+    let table = files::read_table(text, name, columns).map_err(refused)?;
+    let rows =
+        PyArray2::from_vec2(py, &table.rows).map_err(|error| refused(midair::Error::invalid("text", error, "")))?;
+    Ok((PyArray1::from_vec(py, table.lines), rows))
+}
+
+/// Returns the CSV of a drive (N,), with the positions (N, 3) of the transducers in m if given.
+#[pyfunction]
+#[pyo3(signature = (drive, positions=None))]
+pub(crate) fn drive_to_csv(drive: &Bound<'_, PyAny>, positions: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
+    let positions = positions.map(|positions| reading::vectors("positions", positions)).transpose()?;
+    Ok(files::write_drive(positions.as_deref(), &reading::drive("drive", drive)?))
+}
+
+/// Reads the drive (N,) in a CSV of `drive_to_csv`; `name` is the file's name in errors.
+#[pyfunction]
+pub(crate) fn drive_from_csv<'py>(
+    py: Python<'py>,
+    text: &[u8],
+    name: &str,
+) -> PyResult<Bound<'py, PyArray1<Complex32>>> {
+    Ok(give::list(py, files::read_drive(text, name).map_err(refused)?))
 }

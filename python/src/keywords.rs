@@ -6,11 +6,13 @@ use pyo3::types::{PyDict, PyDictMethods};
 
 use crate::array::Array;
 use crate::bead::read_bead;
+use crate::bodies::read_obstacles;
 use crate::error::refused;
-use crate::obstacle::read_obstacles;
 use crate::parts;
 use crate::read;
 use crate::signature::read_signature;
+
+type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Keyword arguments, which are taken out one by one.
 pub(crate) struct Keywords<'py>(Bound<'py, PyDict>);
@@ -18,6 +20,16 @@ pub(crate) struct Keywords<'py>(Bound<'py, PyDict>);
 impl<'py> Keywords<'py> {
     pub(crate) fn of(py: Python<'py>, keywords: Option<&Bound<'py, PyDict>>) -> PyResult<Self> {
         keywords.map_or_else(|| Ok(PyDict::new(py)), PyDictMethods::copy).map(Self)
+    }
+
+    /// Adds the keywords that have a value.
+    pub(crate) fn with<'a>(self, values: impl IntoIterator<Item = (&'static str, Argument<'a, 'py>)>) -> PyResult<Self>
+    where
+        'py: 'a,
+    {
+        let mut given = values.into_iter().filter_map(|(name, value)| Some((name, value?)));
+        given.try_for_each(|(name, value)| self.0.set_item(name, value))?;
+        Ok(self)
     }
 
     /// Takes a keyword out; None counts as not given.

@@ -8,9 +8,7 @@ mod chosen;
 mod codec;
 mod ctrl_c;
 mod draw;
-mod energy;
 mod error;
-mod evaluate;
 mod field;
 mod files;
 mod flight;
@@ -19,7 +17,6 @@ mod getters;
 mod give;
 mod gorkov;
 mod gradient;
-mod instruction_set;
 mod judge;
 mod keywords;
 mod limits;
@@ -30,7 +27,6 @@ mod moving;
 mod names;
 mod node;
 mod numbers;
-mod obstacle;
 mod out;
 mod parts;
 mod path;
@@ -39,12 +35,10 @@ mod plane;
 mod points;
 mod propagation;
 mod quantization;
-mod reach;
 mod read;
 mod ready;
 mod scene;
 mod setting;
-mod shifted;
 mod signature;
 mod skin;
 mod solution;
@@ -52,8 +46,6 @@ mod solve;
 mod solver;
 mod solvers;
 mod subject;
-mod sweep;
-mod table;
 mod toolbox;
 
 use pyo3::prelude::*;
@@ -80,7 +72,7 @@ mod _midair {
     #[pymodule_export]
     use super::field::{Field, field};
     #[pymodule_export]
-    use super::files::{scene_files, scene_keys, sweep_keys};
+    use super::files::{drive_from_csv, drive_to_csv, placed, read_sweep, scene_files, scene_keys, sweep_keys, table};
     #[pymodule_export]
     use super::flight::{Course, Response};
     #[pymodule_export]
@@ -110,17 +102,13 @@ mod _midair {
     #[pymodule_export]
     use super::plane::Plane;
     #[pymodule_export]
-    use super::points::{along, shape_points};
+    use super::points::{along, rotation, shape_points};
     #[pymodule_export]
     use super::propagation::Propagation;
     #[pymodule_export]
-    use super::reach::Reach;
+    use super::scene::{Reach, Scene};
     #[pymodule_export]
-    use super::scene::Scene;
-    #[pymodule_export]
-    use super::shifted::Shifted;
-    #[pymodule_export]
-    use super::skin::{Membrane, Pushes, decibels, excess, felt_width, hand, live_lines, strength, threshold};
+    use super::skin::{Membrane, Pushes, Shifted, decibels, excess, felt_width, hand, live_lines, strength, threshold};
     #[pymodule_export]
     use super::solution::{Solution, about};
     #[pymodule_export]
@@ -129,10 +117,6 @@ mod _midair {
     use super::solver::Solver;
     #[pymodule_export]
     use super::solvers::{OptionInfo, SolverInfo, solvers};
-    #[pymodule_export]
-    use super::sweep::{placed, read_sweep};
-    #[pymodule_export]
-    use super::table::{drive_from_csv, drive_to_csv, table};
     #[pymodule_export]
     use super::toolbox::register;
 

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use midair::sequence::{self, Table, Tracks};
 use midair::solvers;
-use midair::{Choice, Complex32, Extras, MovingSolver, OptionValue, Options, Pace, Played, Trajectory};
+use midair::{Choice, Complex32, Extras, InstructionSet, MovingSolver, OptionValue, Options, Pace, Played, Trajectory};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -15,7 +15,6 @@ use crate::ctrl_c::attend;
 use crate::error::{refused, warn, warn_all};
 use crate::getters::getters;
 use crate::give;
-use crate::instruction_set::instruction_set;
 use crate::keywords::Keywords;
 use crate::limits;
 use crate::parts;
@@ -167,7 +166,7 @@ impl Moving {
         let frames = Trajectory { points, count: size[1], targets, pascals, joined };
         let mut first = midair::Scene::clone(&scene.inner);
         first.solver = Some(choice);
-        let set = instruction_set()?;
+        let set = InstructionSet::requested().map_err(refused)?;
         let moving = py.detach(|| midair::Moving::new(first, frames, pace, ahead, set)).map_err(refused)?;
         let moving = moving.played_on(midair::Scene::clone(&played.inner));
         warn_all(py, moving.doubts())?;

@@ -8,7 +8,7 @@ use pyo3::types::PyDict;
 use crate::error::refused;
 use crate::give::fresh;
 use crate::node;
-use crate::read::vectors;
+use crate::read::{pose, vectors};
 
 /// Returns the points (M, 3) of a line, circle or polyline, as `[[shape]]` in a scene file describes it.
 #[pyfunction]
@@ -25,4 +25,13 @@ pub(crate) fn along<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let contours: Vec<_> = contours.iter().map(|contour| vectors("contour", contour)).collect::<PyResult<_>>()?;
     fresh(py, &points::along(&contours, step).map_err(refused)?)
+}
+
+/// Returns the matrix (3, 3) of a rotation: axis times angle in rad (3,), quaternion w, x, y, z (4,), matrix, or None.
+#[pyfunction]
+pub(crate) fn rotation<'py>(
+    py: Python<'py>,
+    rotation: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fresh(py, &pose(rotation, None)?.rows())
 }

@@ -3,13 +3,12 @@
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-use midair::{Control, Problem, Request, Setup};
+use midair::{Control, InstructionSet, Problem, Request, Setup};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error::refused;
 use crate::give;
-use crate::instruction_set::instruction_set;
 use crate::pickle::Reduced;
 use crate::quantization::{self, read_quantization};
 use crate::read;
@@ -92,7 +91,7 @@ impl Matrix {
     ) -> PyResult<Self> {
         let quantization = quantization.map(read_quantization).transpose()?.filter(|board| !board.is_continuous());
         let positions = positions.map(|value| read::vectors("positions", value)).transpose()?.map(Into::into);
-        let propagation = propagation.clone().with_instruction_set(instruction_set()?);
+        let propagation = propagation.clone().with_instruction_set(InstructionSet::requested().map_err(refused)?);
         let propagation = match mask {
             None => propagation,
             Some(mask) => propagation.with_mask(&read::flags("mask", mask)?).map_err(refused)?,

@@ -2,11 +2,10 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use midair::{Extras, Medium, Model, Notice, Obstacle, Workspace};
+use midair::{Extras, InstructionSet, Medium, Model, Notice, Obstacle, Workspace};
 use pyo3::prelude::*;
 
 use crate::error::refused;
-use crate::instruction_set::instruction_set;
 use crate::mesh::behind;
 
 /// Largest size in bytes of a workspace that is stored for the next solve. Allocating 1 MB costs as much time as G for 64
@@ -74,7 +73,7 @@ impl Cache {
         if let Some(ready) = cache.as_ref().filter(|ready| ready.model.medium() == medium) {
             return Ok(Arc::clone(ready));
         }
-        let model = Model::new(array, medium, instruction_set()?).map_err(refused)?;
+        let model = Model::new(array, medium, InstructionSet::requested().map_err(refused)?).map_err(refused)?;
         let ready =
             Arc::new(Ready { model, doubts: array.doubts(medium), behind: Mutex::default(), work: Mutex::default() });
         Ok(Arc::clone(cache.insert(ready)))

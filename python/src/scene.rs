@@ -5,14 +5,15 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use midair::files::{Format, Provenance};
-use midair::{Bead, Complex32, Control, Extras, Medium, Notice, Request};
+use midair::{Complex32, Control, Extras, Medium, Notice, Request};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::array::Array;
-use crate::bead::{self, read_bead};
+use crate::bead;
+use crate::bodies::obstacle_objects;
 use crate::ctrl_c::attend;
 use crate::error::{invalid, refused, warn_all};
 use crate::files;
@@ -20,10 +21,8 @@ use crate::getters::getters;
 use crate::give::{self, rows};
 use crate::keywords::Keywords;
 use crate::numbers::quoted;
-use crate::obstacle::{obstacle_objects, read_obstacles};
-use crate::pickle::{Reduced, restored};
+use crate::pickle::{Reduced, pickled, restored};
 use crate::plane::Plane;
-use crate::reach::Reach;
 use crate::read;
 use crate::ready::Ready;
 use crate::signature::{read_signature, signature_object};
@@ -134,6 +133,57 @@ impl Scene {
         Self::with(array, inner.and_then(|inner| inner.with_extras(extras)).map_err(refused)?)
     }
 
+    /// Reads a request from keywords. What they leave out is that of `base`.
+    pub(crate) fn read(array: Array, base: Option<&Self>, keywords: &Keywords<'_>) -> PyResult<Self> {
+        let base = base.map(|base| &*base.inner);
+        let array = keywords.array(array)?;
+        let medium = keywords.medium(base.map(midair::Scene::medium), &array)?;
+        let points = match keywords.take_or_none("points")? {
+            Some(points) if base.is_none() || !points.is_none() => read::vectors("points", &points)?,
+            _ => base.map(|base| base.points().to_vec()).unwrap_or_default(),
+        };
+        let unchanged = |item: &str, list: Option<Vec<f64>>| match list {
+            Some(list) if list.len() != points.len() => {
+                let cure = format!("give {item} for the {} points, or None", points.len());
+                Err(invalid(item, &format!("kept from {} points", list.len()), &cure))
+            }
+            list => Ok(list),
+        };
+        let Request { pressures, phases, weights } = base.map(|base| base.request().clone()).unwrap_or_default();
+        // Without points, pressures have no length to compare with; the core reports the missing points.
+        let given = |name: &str| Ok::<_, PyErr>(keywords.take_or_none(name)?.filter(|_| !points.is_empty()));
+        let targets = match given("pressures")? {
+            None => Request { pressures: unchanged("pressures", pressures)?, phases, ..Request::default() },
+            Some(value) if value.is_none() => Request::default(),
+            Some(value) => read::pressures(&value, points.len())?,
+        };
+        let weights = match given("weights")? {
+            None => unchanged("weights", weights)?,
+            Some(value) if value.is_none() => None,
+            Some(value) => Some(read::list("weights", &value, points.len())?),
+        };
+        let request = Request { weights, ..targets };
+        let mut extras = base.map(midair::Scene::extras).unwrap_or_default();
+        if base.is_some()
+            && let Some(plane) = keywords.take_or_none("plane")?
+        {
+            extras.plane = match plane.cast::<Plane>() {
+                Ok(plane) => Some(plane.get().inner),
+                Err(_) if plane.is_none() => None,
+                Err(_) => return Err(invalid("plane", &quoted(&plane), "give a midair.Plane or None")),
+            };
+        }
+        keywords.write_extras(&mut extras, array.inner.len())?;
+        match base {
+            None => keywords
+                .unknown("argument of midair.Scene", &ARGUMENTS)
+                .map(|error| PyTypeError::new_err(error.to_string())),
+            Some(_) => keywords.unknown("part of a scene", &[&ARGUMENTS[..], &["plane"]].concat()).map(refused),
+        }
+        .map_or(Ok(()), Err)?;
+        Self::made(&array, medium, points, request, extras)
+    }
+
     /// Returns the scene after warnings about probable mistakes, without those that are already known.
     pub(crate) fn reported(self, py: Python<'_>, known: &[Notice]) -> PyResult<Self> {
         warn_all(py, self.doubts().iter().filter(|doubt| !known.contains(doubt)))?;
@@ -158,42 +208,24 @@ impl Scene {
 #[pymethods]
 impl Scene {
     #[staticmethod]
-    #[pyo3(name = "_new", signature = (
-        array, points, pressures=None, *, weights=None, signature=None, bead=None, obstacles=None, **keys
-    ))]
-    #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
+    #[pyo3(
+        name = "_new",
+        signature = (array, points, pressures=None, **keys),
+        text_signature = "(array, points, pressures=None, *, weights=None, signature=None, bead=None, obstacles=None, **keys)"
+    )]
     fn new(
         py: Python<'_>,
         array: &Bound<'_, PyAny>,
         points: &Bound<'_, PyAny>,
         pressures: Argument<'_, '_>,
-        weights: Argument<'_, '_>,
-        signature: Argument<'_, '_>,
-        bead: Argument<'_, '_>,
-        obstacles: Argument<'_, '_>,
         keys: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let array = array.cast::<Array>().map_err(|_| {
             let kind = array.get_type().qualname().map_or_else(|_| "this".into(), |name| name.to_string());
             PyTypeError::new_err(format!("expected a midair.Array first, not {kind}: give midair.Scene(array, points)"))
         })?;
-        let keywords = Keywords::of(py, keys)?;
-        let medium = keywords.medium(None, array.get())?;
-        let array = keywords.array(array.get().clone())?;
-        if let Some(unknown) = keywords.unknown("argument of midair.Scene", &ARGUMENTS) {
-            return Err(PyTypeError::new_err(unknown.to_string()));
-        }
-        let points = read::vectors("points", points)?;
-        // Without points, pressures have no length to compare with; the core reports the missing points.
-        let request =
-            if points.is_empty() { Request::default() } else { read::request(points.len(), pressures, weights)? };
-        let extras = Extras {
-            signature: signature.map(|value| read_signature(value, array.inner.len())).transpose()?,
-            bead: bead.map_or_else(|| Ok(Bead::default()), read_bead)?,
-            obstacles: obstacles.map_or_else(|| Ok(Vec::new()), read_obstacles)?,
-            ..Extras::default()
-        };
-        Self::made(&array, medium, points, request, extras)?.reported(py, &[])
+        let keywords = Keywords::of(py, keys)?.with([("points", Some(points)), ("pressures", pressures)])?;
+        Self::read(array.get().clone(), None, &keywords)?.reported(py, &[])
     }
 
     /// Read a scene file: JSON by its ending .json, TOML by .toml, else by its content.
@@ -318,7 +350,7 @@ impl Scene {
     /// array([200.])
     #[pyo3(signature = (**changes))]
     fn replace(&self, py: Python<'_>, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let (scene, keywords) = (&*self.inner, Keywords::of(py, changes)?);
+        let keywords = Keywords::of(py, changes)?;
         let array = match keywords.take("array")? {
             None => self.array(),
             Some(array) => match array.cast::<Array>() {
@@ -326,46 +358,7 @@ impl Scene {
                 Err(_) => return Err(invalid("array", &quoted(&array), "give a midair.Array")),
             },
         };
-        let array = keywords.array(array)?;
-        let medium = keywords.medium(Some(scene.medium()), &array)?;
-        let points = keywords.take("points")?;
-        let points = points.map_or_else(|| Ok(scene.points().to_vec()), |points| read::vectors("points", &points))?;
-        let unchanged = |item: &str, list: &Option<Vec<f64>>| match list {
-            Some(list) if list.len() != points.len() => {
-                let cure = format!("give {item} for the {} points, or None", points.len());
-                Err(invalid(item, &format!("kept from {} points", list.len()), &cure))
-            }
-            list => Ok(list.clone()),
-        };
-        let requested = scene.request();
-        let targets = match keywords.take_or_none("pressures")? {
-            None => Request {
-                pressures: unchanged("pressures", &requested.pressures)?,
-                phases: requested.phases.clone(),
-                ..Request::default()
-            },
-            Some(value) if value.is_none() => Request::default(),
-            Some(value) => read::pressures(&value, points.len())?,
-        };
-        let weights = match keywords.take_or_none("weights")? {
-            None => unchanged("weights", &requested.weights)?,
-            Some(value) if value.is_none() => None,
-            Some(value) => Some(read::list("weights", &value, points.len())?),
-        };
-        let request = Request { weights, ..targets };
-        let mut extras = scene.extras();
-        if let Some(plane) = keywords.take_or_none("plane")? {
-            extras.plane = match plane.cast::<Plane>() {
-                Ok(plane) => Some(plane.get().inner),
-                Err(_) if plane.is_none() => None,
-                Err(_) => return Err(invalid("plane", &quoted(&plane), "give a midair.Plane or None")),
-            };
-        }
-        keywords.write_extras(&mut extras, array.inner.len())?;
-        if let Some(unknown) = keywords.unknown("part of a scene", &[&ARGUMENTS[..], &["plane"]].concat()) {
-            return Err(refused(unknown));
-        }
-        Self::made(&array, medium, points, request, extras)?.reported(py, &self.doubts())
+        Self::read(array, Some(self), &keywords)?.reported(py, &self.doubts())
     }
 
     /// The array.
@@ -436,46 +429,18 @@ impl Scene {
     }
 
     #[staticmethod]
-    #[allow(clippy::too_many_arguments, reason = "as many as it has")]
-    fn _restore(
-        array: &Bound<'_, Array>,
-        points: &Bound<'_, PyAny>,
-        pressures: Argument<'_, '_>,
-        weights: Argument<'_, '_>,
-        medium: &Bound<'_, PyDict>,
-        solver: Option<(String, Bound<'_, PyDict>)>,
-        plane: Option<Bound<'_, Plane>>,
-        phases: Argument<'_, '_>,
-        signature: Argument<'_, '_>,
-        bead: &Bound<'_, PyAny>,
-        obstacles: &Bound<'_, PyAny>,
-    ) -> PyResult<Self> {
-        let medium = Keywords::of(medium.py(), Some(medium))?.medium(None, array.get())?;
-        let points = read::vectors("points", points)?;
-        let phases = phases.map(|phases| read::reals("phases", phases)).transpose()?;
-        let request = Request { phases, ..read::request(points.len(), pressures, weights)? };
-        let array = array.get();
-        let extras = Extras {
-            signature: signature.map(|value| read_signature(value, array.inner.len())).transpose()?,
-            bead: read_bead(bead)?,
-            obstacles: read_obstacles(obstacles)?,
-            solver: solver.map(|(name, options)| read::choice(name, &options)).transpose()?,
-            plane: plane.map(|plane| plane.get().inner),
-        };
-        Self::made(array, medium, points, request, extras)
+    fn _restore(text: &Bound<'_, PyAny>, array: &Bound<'_, Array>, signature: Argument<'_, '_>) -> PyResult<Self> {
+        let (inner, array) = (files::parse(text, "scene", None)?, array.get());
+        let signature = signature.map(|value| read_signature(value, array.inner.len())).transpose()?;
+        let (points, request) = (inner.points().to_vec(), inner.request().clone());
+        Self::made(array, inner.medium(), points, request, Extras { signature, ..inner.extras() })
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        // Moduli and phases as stored, because complex numbers would lose the last bit.
-        let Request { pressures, phases, weights } = self.inner.request().clone();
-        let [pressures, phases, weights] =
-            [pressures, phases, weights].map(|list| list.map(|list| give::list(py, list)));
-        let (solver, plane, signature) = (self.solver(py)?, self.plane(), self.signature(py)?);
-        let (bead, obstacles) = (self.bead(), self.obstacles(py)?);
-        let (points, medium) = (self.points(py)?, self.medium(py)?);
-        let parts =
-            (self.array(), points, pressures, weights, medium, solver, plane, phases, signature, bead, obstacles);
-        restored::<Self>(py, parts)
+        // Files do not have a signature's factors.
+        let plain = midair::Scene::clone(&self.inner).with_signature(None).map_err(refused)?;
+        let text = files::written(&plain, Format::Json, &Provenance::default())?;
+        restored::<Self>(py, (text, self.array(), self.signature(py)?))
     }
 
     fn __repr__(&self) -> String {
@@ -516,4 +481,41 @@ getters! {
 
     /// The plane of the scene file for pictures, or None.
     plane(self) -> Option<Plane> = self.inner.plane.map(|inner| Plane { inner });
+}
+
+/// Capability of an array at a scene's points; from `Scene.reach`.
+///
+/// Examples
+/// --------
+/// >>> import midair
+/// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
+/// >>> bool((scene.reach().level < scene.reach().alone).all())
+/// True
+#[pyclass(frozen, eq, module = "midair")]
+#[derive(PartialEq)]
+pub(crate) struct Reach {
+    alone: Vec<f64>,
+    level: Vec<f64>,
+}
+
+pickled!(Reach: alone: Vec<f64>, level: Vec<f64>);
+
+#[pymethods]
+impl Reach {
+    fn __repr__(&self) -> String {
+        let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+        let (alone, level) = (most(&self.alone), most(&self.level));
+        format!("<midair.Reach: up to {alone:.4} Pa alone, {level:.4} Pa together>")
+    }
+}
+
+getters! {
+    Reach:
+
+    /// The highest pressure at each point alone (M,) in Pa: the sum of |G|.
+    alone(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.alone.clone());
+
+    /// The balanced level (M,) in Pa: the pressures that the array can make at all points together, in the ratios of the
+    /// requested pressures. It assumes points at least a focal width apart.
+    level(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.level.clone());
 }

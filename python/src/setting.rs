@@ -8,10 +8,10 @@ use pyo3::types::{PyDict, PyDictMethods};
 
 use crate::array::Array;
 use crate::bead;
+use crate::bodies::obstacle_objects;
 use crate::chosen::{Chosen, Naming};
 use crate::error::{invalid, refused, warn_all};
 use crate::keywords::Keywords;
-use crate::obstacle::obstacle_objects;
 use crate::propagation::{Matrix, Propagation};
 use crate::read;
 use crate::scene::Scene;

@@ -1,7 +1,7 @@
 //! The model of `midair.skin`: the spectrum of radiation pressure, the membrane, and the tactile channels.
 
 use midair::touch::{self, Channel};
-use midair::{Complex32, Complex64};
+use midair::{Complex32, Complex64, InstructionSet};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
     PyReadonlyArrayDyn, PyUntypedArrayMethods,
@@ -12,6 +12,7 @@ use pyo3::types::PyComplex;
 use crate::array::Array;
 use crate::ctrl_c::attend;
 use crate::error::refused;
+use crate::give;
 use crate::plane::Plane;
 use crate::read;
 
@@ -174,4 +175,34 @@ pub(crate) fn decibels(strength: f64) -> f64 {
 pub(crate) fn hand(points: &Bound<'_, PyAny>, array: &Array, margin: f64, pixels: usize) -> PyResult<Plane> {
     let points = read::vectors("points", points)?;
     Ok(Plane { inner: touch::hand(&points, &array.inner, margin, pixels).map_err(refused)? })
+}
+
+/// Systems (A + s B) x = b with a sparse symmetric A and a diagonal B, as the core's `Shifted`.
+#[pyclass(frozen, module = "midair._midair")]
+pub(crate) struct Shifted {
+    inner: touch::Shifted,
+}
+
+#[pymethods]
+impl Shifted {
+    #[new]
+    fn new(starts: Vec<usize>, rows: Vec<u32>, values: Vec<f64>, shares: Vec<f64>) -> PyResult<Self> {
+        Ok(Self { inner: touch::Shifted::new(&starts, &rows, &values, &shares).map_err(refused)? })
+    }
+
+    /// The solutions (L V,) for shifts (L,) and loads (L V,), one after another.
+    fn solve<'py>(
+        &self,
+        py: Python<'py>,
+        shifts: &Bound<'py, PyAny>,
+        loads: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<Complex32>>> {
+        let (shifts, loads, set) = (
+            read::complexes("shifts", shifts)?,
+            read::drive("loads", loads)?,
+            InstructionSet::requested().map_err(refused)?,
+        );
+        let solutions = attend(py, None, |mut control| self.inner.solve(set, &shifts, &loads, &mut control))?;
+        Ok(give::list(py, solutions))
+    }
 }

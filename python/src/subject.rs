@@ -5,7 +5,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 use crate::error::invalid;
-use crate::parts;
+use crate::keywords::Keywords;
 use crate::propagation::{Matrix, Propagation};
 use crate::read;
 use crate::ready::Ready;
@@ -32,19 +32,12 @@ impl Beside<'_, '_> {
             return Err(invalid("positions", "given beside a Scene", cure));
         }
         let (py, scene) = (scene.py(), scene.get());
-        if [pressures, weights, quantization, mask].iter().all(Option::is_none) {
+        let parts = [("pressures", pressures), ("weights", weights), ("quantization", quantization), ("mask", mask)];
+        let changes = Keywords::of(py, None)?.with(parts)?;
+        if changes.rest().is_empty() {
             return Ok(scene.clone());
         }
-        let values = parts::values(|name| {
-            let entry = [("mask", mask), ("quantization", quantization)].into_iter().find(|(known, _)| *known == name);
-            Ok(entry.and_then(|(_, value)| value.cloned()))
-        })?;
-        let (array, inner) = (scene.array().with_parts(values)?, &scene.inner);
-        let targets = read::request(inner.points().len(), pressures, weights)?;
-        let requested = if targets.pressures.is_some() { targets.clone() } else { inner.request().clone() };
-        let request = Request { weights: targets.weights.or_else(|| inner.request().weights.clone()), ..requested };
-        let changed = Scene::made(&array, inner.medium(), inner.points().to_vec(), request, inner.extras())?;
-        changed.reported(py, &scene.doubts())
+        Scene::read(scene.array(), Some(scene), &changes)?.reported(py, &scene.doubts())
     }
 }
 

@@ -1,6 +1,7 @@
-"""Writes the type stubs of the extension, from its Rust source and docstrings: `python stubs FILE`.
+"""Writes the type stubs of the package and of its extension: `python stubs FOLDER`.
 
-The build script calls it; maturin puts the file beside the extension, in wheels and after `maturin develop`.
+Those of the extension are made from its Rust source and docstrings. The build script calls this program;
+maturin puts the files beside the extension, in wheels and after `maturin develop`.
 """
 
 from __future__ import annotations
@@ -14,10 +15,12 @@ from pathlib import Path
 from textwrap import indent
 
 import source
+from keywords import keywords, solvers
 from kinds import Kinds, entries
 from source import Argument, Class, Function
 
 CRATE = Path(__file__).resolve().parents[1]
+TOOLBOX = CRATE / "midair" / "_toolbox.py"
 
 HEAD = '''"""The compiled core. Made by python/stubs at each build."""
 
@@ -53,19 +56,19 @@ class Stub:
     def __init__(self) -> None:
         self.exported = source.read(CRATE)
         self.kinds = Kinds(self.exported)
-        self.attached = attached((CRATE / "midair" / "_toolbox.py").read_text(encoding="utf-8"))
-        keywords = (CRATE / "midair" / "_keywords.pyi").read_text(encoding="utf-8")
-        names = re.findall(r"^class Setting(\w+)\(Setting,", keywords, re.MULTILINE)
+        self.attached = attached(TOOLBOX.read_text(encoding="utf-8"))
         #: The types of a solver's name, and the keywords that go with it.
-        self.solvers = {"None" if name == "Every" else f'Literal["{name.lower()}"]': name for name in names}
-        self.solvers["str"] = ""
+        self.solvers = {f'Literal["{name.lower()}"]': name for name, *_ in solvers()}
+        self.solvers |= {"None": "Every", "str": ""}
 
     def lines(self) -> Iterator[str]:
         """Yields parts of the file."""
         yield HEAD
         for methods in self.attached.values():
             for home, function in methods.values():
-                yield f"from .{home} import {function} as {local(home, function)}\n"
+                # A function of the extension is imported from the package, not from this file.
+                place = "." if home == "_midair" else f".{home}"
+                yield f"from {place} import {function} as {local(home, function)}\n"
         functions, constants = self.exported.functions, self.exported.constants
         names = [functions[name].name if name in functions else name for name in self.exported.names]
         names += [constant.name for constant in constants]
@@ -155,13 +158,13 @@ class Stub:
         callables = {"Callable[..., ArrayLike]": ""} if "Callable" in arguments[solver].kind else {}
         # Keywords that `Solver` and `solve_batch` take as options have parameters of their own in `solve`.
         setting = "" if "positions" in place else "Setting"
-        for kind, keywords in (self.solvers | callables).items():
+        for kind, own in (self.solvers | callables).items():
             default = "None" if kind == "None" else None
             named = changed(arguments, solver, replace(arguments[solver], kind=kind, default=default))
             if kind == "str" and not setting:
                 del named[options]
             else:
-                typed = f"Unpack[k.{setting}{keywords}]" if setting or keywords else "Any"
+                typed = f"Unpack[k.{setting}{own}]" if setting or own else "Any"
                 named[options] = replace(named[options], kind=typed)
             before = named[:solver]
             if default is None and any(each.default for each in before):
@@ -204,11 +207,7 @@ def local(home: str, function: str) -> str:
 
 def attached(toolbox: str) -> dict[str, dict[str, tuple[str, str]]]:
     """Returns the methods that `_toolbox.METHODS` adds to classes: home and name of each function."""
-    (table,) = (
-        node.value
-        for node in ast.parse(toolbox).body
-        if isinstance(node, ast.AnnAssign) and ast.unparse(node.target) == "METHODS"
-    )
+    table = assigned(toolbox, "METHODS")
     return {
         ast.unparse(owner): {
             name.value: tuple(word.value for word in call.args)
@@ -218,5 +217,29 @@ def attached(toolbox: str) -> dict[str, dict[str, tuple[str, str]]]:
     }
 
 
+def assigned(toolbox: str, name: str) -> ast.Dict:
+    """Returns the table of this name in `_toolbox`."""
+    values = (
+        node.value
+        for node in ast.parse(toolbox).body
+        if isinstance(node, ast.Assign | ast.AnnAssign) and re.match(rf"{name}\b", ast.unparse(node))
+    )
+    return next(value for value in values if isinstance(value, ast.Dict))
+
+
+def package(toolbox: str) -> Iterator[str]:
+    """Yields the lines of the package's stub: its public names, which are loaded at their first use."""
+    for home, names in ast.literal_eval(assigned(toolbox, "HOMES")).items():
+        listed = ", ".join(f"{name} as {name}" for name in names.split() or [home])
+        yield f"from .{home if names else ''} import {listed}\n"
+    yield "\n__version__: str\n"
+
+
 if __name__ == "__main__":
-    Path(sys.argv[1]).write_text("".join(Stub().lines()), encoding="utf-8")
+    stubs = {
+        "_midair.pyi": Stub().lines(),
+        "_keywords.pyi": keywords(),
+        "__init__.pyi": package(TOOLBOX.read_text(encoding="utf-8")),
+    }
+    for name, lines in stubs.items():
+        Path(sys.argv[1], name).write_text("".join(lines), encoding="utf-8")

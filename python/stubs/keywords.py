@@ -1,20 +1,34 @@
-"""Writes the type stubs of keywords that the core declares: `make generated`.
+"""Type stubs of the keywords that the core declares, from its Rust source.
 
 For each solver there is a TypedDict of its options: editors complete the options, and type checkers reject
-options that the solver does not have. `__main__.py` makes the other stubs at each build.
+options that the solver does not have.
 """
 
 from __future__ import annotations
 
-import inspect
+import re
+from collections.abc import Iterator
 from pathlib import Path
 
-import midair
+CORE = Path(__file__).resolve().parents[2] / "core" / "src"
 
-STUB = Path(__file__).parents[1] / "midair" / "_keywords.pyi"
+#: Doc comments before a declaration.
+ABOUT = r"((?:^ *///[^\n]*\n)+) *"
+
+NUMBER = re.compile(ABOUT + r"(\w+)( = [^\n]*)?, such as", re.MULTILINE)
+PART = re.compile(ABOUT + r"(\w+), such as .*?: Access::(\w+)", re.MULTILINE)
+SOLVER = re.compile(
+    r"^options! \{\n(?: *///[^\n]*\n)*    pub struct (\w+) \{\n(.*?)^    \}", re.MULTILINE | re.DOTALL
+)
+OPTION = re.compile(ABOUT + r"pub (\w+): (\w+) =", re.MULTILINE)
+SUMMARY = r'^impl Method for {} .*?Info::new\(\s*"[^"]*",\s*"([^"]*)"'
+WORDS = re.compile(r"words!\((\w+): (.*)\);")
+LIST = re.compile(
+    r"impl OptionValue for (\w+) \{\s*const WORDS: [^=]*= &\[(.*)\];\s*const LIST: bool = true;"
+)
 
 KEYWORDS = '''"""Keywords that the core declares: of the air, of arrays, of scenes and of each solver.
-Made by `make generated`.
+Made by python/stubs at each build.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -48,58 +62,75 @@ class Setting(_Request, total=False):
     aim: Literal["target", "max"] | None
 '''
 
+#: Types in Python.
+TYPES = {"u32": "int", "u64": "int", "f64": "float", "bool": "bool"}
 
-def kind(name: str, option: midair.OptionInfo) -> list[str]:
-    """Returns the types that an option takes."""
-    words = ", ".join(f'"{word}"' for word in option.words)
-    own = f"Literal[{words}]" if words else type(option.default).__name__
-    if name == "objective":
-        # As its objective, `solve` also accepts a function.
-        return [own, "Callable[[NDArray[np.complex64], NDArray[np.float64], NDArray[np.float64]], ArrayLike]"]
-    return [own, "Sequence[int]", "NDArray[np.integer]"] if option.list else [own]
+#: For each kind of an array's parts: the type of its keyword, and the type of its property.
+KINDS = {
+    "Real": ("float", "float"),
+    "Directivity": ("_Directivity", "_Directivity"),
+    "Complexes": ("ArrayLike", "NDArray[np.complex128] | None"),
+    "Flags": ("ArrayLike", "NDArray[np.bool_]"),
+    "Indices": ("ArrayLike", "NDArray[np.int64] | None"),
+    "Quantization": ("_Quantization", "dict[str, int | NDArray[np.float64] | None] | None"),
+}
 
 
-def getter(name: str, kind: str, owner: type) -> list[str]:
-    """Returns the stub of a property: its lines, with the docstring that it has at run time."""
-    about = inspect.getdoc(getattr(owner, name))
+def text(*names: str) -> str:
+    """Returns a file of the core."""
+    return CORE.joinpath(*names).read_text(encoding="utf-8")
+
+
+def said(about: str) -> str:
+    """Returns doc comments as one line."""
+    return " ".join(re.findall(r"/// (.*)", about))
+
+
+def getter(name: str, kind: str, about: str) -> list[str]:
+    """Returns the lines of a property."""
     return ["    @property", f"    def {name}(self) -> {kind}:", f'        """{about}"""']
 
 
 def air() -> str:
     """Returns two stubs: the keywords of the air, and a scene's properties that return these numbers."""
-    lines = ["class Air(TypedDict, total=False):"]
-    for name, (_, about) in midair._midair.scene_keys()["medium"].items():
-        lines += [f"    {name}: float | None", f'    """{about}"""']
-    lines += ["", "class Numbers:"]
-    for name in midair.Scene(midair.Array([[0, 0, 0]]), [[0, 0, 1]]).medium:
-        lines += getter(name, "float", midair.Scene)
-    return "\n".join(lines) + "\n"
-
-
-#: For each kind of an array's parts: the type of its keyword, and the type of its property.
-KINDS = {
-    "real": ("float", "float"),
-    "directivity": ("_Directivity", "_Directivity"),
-    "complexes": ("ArrayLike", "NDArray[np.complex128] | None"),
-    "flags": ("ArrayLike", "NDArray[np.bool_]"),
-    "indices": ("ArrayLike", "NDArray[np.int64] | None"),
-    "quantization": ("_Quantization", "dict[str, int | NDArray[np.float64] | None] | None"),
-}
+    keys, numbers = ["class Air(TypedDict, total=False):"], ["", "class Numbers:"]
+    for about, name, default in NUMBER.findall(text("scene", "medium.rs")):
+        keys += [f"    {name}: float | None", f'    """{said(about)}"""']
+        numbers += getter(name, "float", said(about)) if default else []
+    return "\n".join(keys + numbers) + "\n"
 
 
 def parts() -> str:
     """Returns the stubs of an array's parts: their keywords, alone and together with the air's keywords,
     and the array's properties.
     """
-    kinds = midair._midair.array_parts()
-    lines = ["class Parts(TypedDict, total=False):"]
-    for name, kind in kinds.items():
-        about = midair._midair.scene_keys()["array"][name][1]
-        lines += [f"    {name}: {KINDS[kind][0]} | None", f'    """{about}"""']
-    lines += ["", "class Keys(Air, Parts, total=False): ...", "", "class Radiating:"]
-    for name, kind in kinds.items():
-        lines += getter(name, KINDS[kind][1], midair.Array)
-    return "\n".join(lines) + "\n"
+    keys, properties = ["class Parts(TypedDict, total=False):"], ["", "class Radiating:"]
+    for about, name, kind in PART.findall(text("scene", "part.rs")):
+        taken, given = KINDS[kind]
+        keys += [f"    {name}: {taken} | None", f'    """{said(about)}"""']
+        properties += getter(name, given, said(about))
+    return "\n".join([*keys, "", "class Keys(Air, Parts, total=False): ...", *properties]) + "\n"
+
+
+def solvers() -> Iterator[tuple[str, str, list[tuple[str, list[str], str]]]]:
+    """Yields each solver, in the order of the registry: its name, its summary, and name, types and meaning of
+    its options.
+    """
+    source = "\n".join(path.read_text(encoding="utf-8") for path in sorted(CORE.glob("solvers/**/*.rs")))
+    types = {name: [kind] for name, kind in TYPES.items()}
+    for found, more in ((WORDS, []), (LIST, ["Sequence[int]", "NDArray[np.integer]"])):
+        for name, words in found.findall(source):
+            listed = ", ".join(re.findall(r'"\w+"', words))
+            types[name] = [f"Literal[{listed}]", *more]
+    # As its objective, `solve` also accepts a function.
+    numbers = ", ".join(["NDArray[np.complex64]", *["NDArray[np.float64]"] * 2])
+    types["Objective"].append(f"Callable[[{numbers}], ArrayLike]")
+    declared = dict(SOLVER.findall(source))
+    for name in re.findall(r"Entry::of::<(\w+)>\(\),", source):
+        summary = re.search(SUMMARY.format(name), source, re.MULTILINE | re.DOTALL)
+        assert summary, name
+        options = OPTION.findall(declared[name])
+        yield name, summary[1], [(option, types[kind], said(about)) for about, option, kind in options]
 
 
 def keywords() -> str:
@@ -108,21 +139,17 @@ def keywords() -> str:
     """
     classes: dict[str, list[str]] = {}
     every: dict[str, list[str]] = {}
-    for name, info in midair.solvers().items():
-        classes[name.title()] = fields = [f'"""{info.summary}."""']
-        for option_name, option in info.options.items():
+    for name, summary, options in solvers():
+        classes[name] = fields = [f'"""{summary}."""']
+        for option, kinds, about in options:
             # `lambda` is a reserved word of Python.
-            key = "lambda_" if option_name == "lambda" else option_name
-            every[key] = list(dict.fromkeys([*every.get(key, []), *kind(option_name, option)]))
-            fields += [f"{key}: {' | '.join(kind(option_name, option))} | None", f'"""{option.doc}"""']
+            key = "lambda_" if option == "lambda" else option
+            every[key] = list(dict.fromkeys([*every.get(key, []), *kinds]))
+            fields += [f"{key}: {' | '.join(kinds)} | None", f'"""{about}"""']
     fields = [f"{key}: {' | '.join(kinds)} | None" for key, kinds in every.items()]
     classes["Every"] = ['"""Options of all solvers, for the one that a scene file names."""', *fields]
-    text = [KEYWORDS.format(air=air(), parts=parts())]
+    made = [KEYWORDS.format(air=air(), parts=parts())]
     for name, lines in classes.items():
-        text += ["\n".join([f"class {name}(TypedDict, total=False):", *(f"    {line}" for line in lines)])]
-        text += [f"class Setting{name}(Setting, {name}): ...\n"]
-    return "\n".join(text)
-
-
-if __name__ == "__main__":
-    STUB.write_text(keywords(), encoding="utf-8")
+        made += ["\n".join([f"class {name}(TypedDict, total=False):", *(f"    {line}" for line in lines)])]
+        made += [f"class Setting{name}(Setting, {name}): ...\n"]
+    return "\n".join(made)

@@ -165,7 +165,8 @@ def _function(before: str, name: str, inputs: str, returns: str) -> Function:
     if stated is None:
         arguments = [Argument(*each) for each in kinds.items()]
     else:
-        arguments = [Argument(name, kinds[name], default, by) for name, default, by in _stated(stated[1])]
+        # A name without a type is one of `**keys`.
+        arguments = [Argument(name, kinds.get(name, "PyAny"), *how) for name, *how in _stated(stated[1])]
     return Function(name, _doc(before), first, arguments, returns)
 
 

@@ -63,7 +63,7 @@ pub(crate) use lanes::{LANES, padded};
 pub(crate) use matrix::{add_waves, correlate_rows};
 pub(crate) use propagate::field::add_field;
 pub(crate) use propagate::form::Radiation;
-pub(crate) use propagate::moduli::{Run, add_moduli, interleaved_moduli, keep_moduli};
+pub(crate) use propagate::moduli::{Run, add_moduli, interleaved_moduli};
 pub(crate) use propagate::row::{ControlPoints, Row, row};
 pub(crate) use propagate::rows::Rows;
 pub(crate) use propagate::source::{Source, SourceList};

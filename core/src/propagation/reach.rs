@@ -73,7 +73,7 @@ impl Propagation {
                 for run in runs {
                     control.pulse()?;
                     let rows = &mut amplitudes.rows[run.members.start * wide..run.members.end * wide];
-                    if kernels::keep_moduli(self.set, &run, place, NEAR, &mut amplitudes.sums, rows) {
+                    if kernels::interleaved_moduli(self.set, &run, place, NEAR, &mut amplitudes.sums, rows) {
                         near(sources, run)?;
                     }
                     reach.iter_mut().zip(&amplitudes.sums).for_each(|(reach, &sum)| *reach += f64::from(sum));

@@ -77,6 +77,12 @@ impl Pose {
         Ok(Self { rows, translation })
     }
 
+    /// Returns the rows of the rotation's matrix.
+    #[must_use]
+    pub fn rows(&self) -> [[f64; 3]; 3] {
+        self.rows
+    }
+
     /// Returns the pose that brings places nearest to others in least squares (Horn 1987, "Closed-form solution of absolute
     /// orientation using unit quaternions", J. Opt. Soc. Am. A 4, 629).
     pub(crate) fn between(places: &[[f64; 3]], others: &[[f64; 3]]) -> Self {

@@ -72,6 +72,20 @@ const OPENMPD: &str =
 const INWARDS: fn([f64; 3]) -> [f64; 3] = |[_, _, z]| [0.0, 0.0, -z.signum()];
 const SUZUKI: &str = "Suzuki et al., IEEE Trans. Haptics 14(4), 2021, section IV";
 
+/// What most presets have in common.
+const PLAIN: Preset = Preset {
+    name: "",
+    summary: "",
+    source: "",
+    count: 0,
+    tiles: false,
+    transducer: PAPER,
+    board: None,
+    together: 1,
+    positions: |_| Vec::new(),
+    normal: None,
+};
+
 /// Every preset.
 pub const PRESETS: [Preset; 13] = [
     Preset {
@@ -79,24 +93,18 @@ pub const PRESETS: [Preset; 13] = [
         summary: "20 x 20 at 10 mm, the paper's figures 3 to 5",
         source: SUZUKI,
         count: 400,
-        tiles: false,
         transducer: PAPER,
-        board: None,
-        together: 1,
         positions: |_| lattice([20, 20], 10e-3),
-        normal: None,
+        ..PLAIN
     },
     Preset {
         name: "paper36",
         summary: "36 x 36 at 10 mm, the paper's figures 2 and 7",
         source: SUZUKI,
         count: 1296,
-        tiles: false,
         transducer: PAPER,
-        board: None,
-        together: 1,
         positions: |_| lattice([36, 36], 10e-3),
-        normal: None,
+        ..PLAIN
     },
     Preset {
         name: "autd3",
@@ -106,129 +114,110 @@ pub const PRESETS: [Preset; 13] = [
         tiles: true,
         transducer: Transducer { source_pressure: 4.386, directivity: Directivity::T4010A1 },
         board: Some("autd3"),
-        together: 1,
         positions: autd3,
-        normal: None,
+        ..PLAIN
     },
     Preset {
         name: "sonicsurface",
         summary: "SonicSurface, 16 x 16 at 10.5 mm",
         source: "SonicSurface, Python class (positions, centred as in Ultraino's file of the board); P0 and sinc of that file",
         count: 256,
-        tiles: false,
         transducer: ULTRAINO,
         board: Some("sonicsurface"),
-        together: 1,
         positions: |_| lattice([16, 16], 10.5e-3),
-        normal: None,
+        ..PLAIN
     },
     Preset {
         name: "sonicsurface_pair",
         summary: "two SonicSurfaces face to face 243 mm apart around the origin, the upper turned about y",
         source: "as sonicsurface; the gap: 3dprintzothar, SonicSurface build log",
         count: 512,
-        tiles: false,
         transducer: ULTRAINO,
         board: Some("sonicsurface"),
-        together: 1,
         positions: |_| facing(&lattice([16, 16], 10.5e-3), 243e-3),
         normal: Some(INWARDS),
+        ..PLAIN
     },
     Preset {
         name: "openmpd_board",
         summary: "OpenMPD board, 16 x 16 at 10.5 mm, x slow, y from + to -",
         source: OPENMPD,
         count: 256,
-        tiles: false,
         transducer: MURATA,
         board: Some("openmpd"),
-        together: 1,
         positions: |_| openmpd(),
-        normal: None,
+        ..PLAIN
     },
     Preset {
         name: "openmpd_pair",
         summary: "two OpenMPD boards face to face 236.5 mm apart around the origin, the upper turned about y",
         source: OPENMPD,
         count: 512,
-        tiles: false,
         transducer: MURATA,
         board: Some("openmpd"),
-        together: 1,
         positions: |_| facing(&openmpd(), 236.5e-3),
         normal: Some(INWARDS),
+        ..PLAIN
     },
     Preset {
         name: "tinylev",
         summary: "TinyLev: two caps of 36 transducers around the origin, on a sphere 120 mm across, each cap on one channel",
         source: "Marzo, Barnes, Drinkwater, Rev. Sci. Instrum. 88, 085105, 2017; rings, P0 and sinc of Ultraino's TinyLev file",
         count: 72,
-        tiles: false,
         transducer: Transducer { source_pressure: 2.53, directivity: Directivity::sinc(9e-3) },
-        board: None,
         together: 36,
         positions: |_| levitator([(6, 10.3e-3, 59.11e-3), (12, 20.5e-3, 56.38e-3), (18, 30.0e-3, 51.96e-3)]),
         normal: Some(|place| place.map(|x| -x)),
+        ..PLAIN
     },
     Preset {
         name: "biglev",
         summary: "BigLev: two caps of 36 transducers of 16 mm around the origin, on a sphere 192 mm across",
         source: "Ultraino's BigLev file: rings and P0; sinc as wide as its transducers",
         count: 72,
-        tiles: false,
         transducer: Transducer { source_pressure: 5.4, directivity: Directivity::sinc(16e-3) },
-        board: None,
-        together: 1,
         positions: |_| levitator([(6, 16.4e-3, 94.58e-3), (12, 32.8e-3, 90.21e-3), (18, 48.0e-3, 83.14e-3)]),
         normal: Some(|place| place.map(|x| -x)),
+        ..PLAIN
     },
     Preset {
         name: "ultraino_flat8x8",
         summary: "Ultraino's flat array, 8 x 8 at 10 mm",
         source: "Ultraino's file flat 8x8: order, P0 and sinc",
         count: 64,
-        tiles: false,
         transducer: ULTRAINO,
         board: Some("mega64"),
-        together: 1,
         positions: |_| lattice([8, 8], 10e-3),
-        normal: None,
+        ..PLAIN
     },
     Preset {
         name: "spherical_cap64",
         summary: "Ultraino's bowl of 64 transducers around a focus 55.5 mm above the origin",
         source: "Ultraino's file sphericalCap64: rings, order, P0 and sinc",
         count: 64,
-        tiles: false,
         transducer: ULTRAINO,
         board: Some("mega64"),
-        together: 1,
         positions: |_| bowl(),
         normal: Some(|[x, y, z]| [-x, -y, BOWL_FOCUS - z]),
+        ..PLAIN
     },
     Preset {
         name: "dragonfly",
         summary: "Ultrahaptics UHEV1 and Dragonfly, 16 x 16 at 10.47 mm; the device plays no drives of your own",
         source: "HandyBeam, tx_array_library (pitch) and its cos^3.376; P0 assumed, as of the Murata MA40S4S",
         count: 256,
-        tiles: false,
         transducer: HANDYBEAM,
-        board: None,
-        together: 1,
         positions: |_| lattice([16, 16], 10.47e-3),
-        normal: None,
+        ..PLAIN
     },
     Preset {
         name: "stratos",
         summary: "Ultraleap STRATOS USX, 16 x 16 at 10.3 mm; the device plays no drives of your own",
         source: "HandyBeam, tx_array_library (pitch) and its cos^3.376; P0 assumed, as of the Murata MA40S4S",
         count: 256,
-        tiles: false,
         transducer: HANDYBEAM,
-        board: None,
-        together: 1,
         positions: |_| lattice([16, 16], 10.3e-3),
-        normal: None,
+        ..PLAIN
     },
 ];
 

@@ -12,7 +12,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._boards.layout import changed
-from .._midair import Scene, SceneError, Solution, about, judge, numbers, solve, solvers, stated, unknown_name
+from .._midair import (
+    Scene,
+    SceneError,
+    Solution,
+    about,
+    judge,
+    numbers,
+    rotation,
+    solve,
+    solvers,
+    stated,
+    unknown_name,
+)
 from .._support import text as columns
 from .._support.arguments import callback, number, refused, whole
 from .._support.cache import Arrays
@@ -90,18 +102,10 @@ def _tilt(scene: Scene, size: float, random: np.random.Generator) -> Scene:
     if (length := np.linalg.norm(forward)) > 0.1:
         # A rotation in the array's own plane is no tilt. Boards that face each other have no such plane.
         axis -= axis @ forward * forward / length**2
-    turn = _rotation(axis / np.linalg.norm(axis), float(angle))
+    turn = rotation(angle * axis / np.linalg.norm(axis))
     middle = array.positions.mean(axis=0)
     positions = middle + (array.positions - middle) @ turn.T
     return _changed(scene, positions=positions, normals=array.normals @ turn.T)
-
-
-def _rotation(axis: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
-    """Return the matrix (3, 3) of a rotation about an axis of length 1 (Rodrigues)."""
-    x, y, z = axis
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    turn: NDArray[np.float64] = np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
-    return turn
 
 
 def _position(scene: Scene, size: float, random: np.random.Generator) -> Scene:

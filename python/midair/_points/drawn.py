@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import SceneError, memory_limit, numbers, restated, stated
+from .._midair import SceneError, memory_limit, restated, rotation as turned, stated
 from .._support.arguments import needs, number, path_of, refused, shown, vector, warn, word
 from .._support.text import content
 from ..shape import svg, text
@@ -56,7 +56,7 @@ def read(
     scale = number("scale", scale, least=0)
     if scale == 0:
         raise refused("scale", scale, "give the metres of the file's unit, such as 1e-3")
-    away, turn = vector("offset", offset), _rotation(rotation)
+    away, turn = vector("offset", offset), turned(rotation)
     file = path_of("path", path)
     trimesh = library()
     if not file.is_file():
@@ -95,27 +95,6 @@ def read(
     order, signs = UP[up or ("y" if ending == ".glb" else "z")]
     with np.errstate(over="ignore", invalid="ignore"):
         return vertices[:, order] * signs * scale @ turn.T + away, faces
-
-
-def _rotation(given: Any) -> Points:
-    """Return the matrix (3, 3) of a rotation."""
-    if given is None:
-        return np.eye(3)
-    with needs("a rotation needs SciPy", "mesh"):
-        from scipy.spatial.transform import Rotation
-    cure = "give axis times angle in rad (3,), a quaternion w, x, y, z (4,), or a matrix (3, 3)"
-    found = numbers("rotation", given, [(3,), (4,), (3, 3)], cure).copy()
-    if found.shape == (3,):
-        return np.asarray(Rotation.from_rotvec(found).as_matrix())
-    if found.shape == (4,) and found.any():
-        return np.asarray(Rotation.from_quat(np.roll(found, -1)).as_matrix())
-    if (
-        found.shape == (3, 3)
-        and np.allclose(found @ found.T, np.eye(3), atol=1e-6)
-        and np.linalg.det(found) > 0
-    ):
-        return found
-    raise refused("rotation", found, cure)
 
 
 def _trimmed(data: bytes, ending: str) -> bytes:

@@ -129,23 +129,10 @@ impl<F: Form> Apart for Sums<'_, F> {
     }
 }
 
-/// Does the same as [`add_moduli`] for the points of up to 16 problems, one problem in each lane, with the same bits.
-/// Writes the sums to `out`.
+/// Does the same as [`add_moduli`] with the bits of it, for points in the lanes: those of one problem, or of up to 16 problems
+/// with one in each lane. It writes the sums to `out`, and the amplitudes of the run's rows, row after row, to `lines` if there
+/// are any.
 pub(crate) fn interleaved_moduli(
-    set: InstructionSet,
-    run: &Run<'_>,
-    points: ControlPoints<'_>,
-    nearest: f32,
-    out: &mut [f32],
-) -> bool {
-    dispatch!(set, s => formed!(s, run.radiation, true, form => {
-        in_lanes::<_, _, false>(s, form, run, points, nearest, out, &mut [])
-    }))
-}
-
-/// Does the same as [`add_moduli`] with points in the lanes, with the same bits. It writes the sums to `out`, and the
-/// amplitudes of the run's rows to `lines`, row after row.
-pub(crate) fn keep_moduli(
     set: InstructionSet,
     run: &Run<'_>,
     points: ControlPoints<'_>,
@@ -154,7 +141,11 @@ pub(crate) fn keep_moduli(
     lines: &mut [Line],
 ) -> bool {
     dispatch!(set, s => formed!(s, run.radiation, true, form => {
-        in_lanes::<_, _, true>(s, form, run, points, nearest, out, lines)
+        if lines.is_empty() {
+            in_lanes::<_, _, false>(s, form, run, points, nearest, out, lines)
+        } else {
+            in_lanes::<_, _, true>(s, form, run, points, nearest, out, lines)
+        }
     }))
 }
 

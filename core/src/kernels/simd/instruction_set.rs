@@ -1,7 +1,11 @@
 //! The instruction set: chosen at run time and passed on as a value.
 
+#[cfg(feature = "std")]
+use alloc::{format, string::String, vec::Vec};
 use core::fmt;
 
+#[cfg(feature = "std")]
+use crate::error::Error;
 use crate::error::same_name;
 #[cfg(target_arch = "x86_64")]
 use crate::kernels::simd::avx2::Avx2;
@@ -82,6 +86,21 @@ impl InstructionSet {
     #[must_use]
     pub fn best() -> Self {
         Self::all().last().unwrap_or(Self::SCALAR)
+    }
+
+    /// Returns the set that the environment variable `MIDAIR_SIMD` names, else the fastest one. It is read once.
+    ///
+    /// # Errors
+    /// A name that this machine does not have.
+    #[cfg(feature = "std")]
+    pub fn requested() -> Result<Self, Error> {
+        static NAME: std::sync::OnceLock<Option<String>> = std::sync::OnceLock::new();
+        let name = NAME.get_or_init(|| std::env::var("MIDAIR_SIMD").ok().filter(|name| !name.is_empty()));
+        let Some(name) = name else { return Ok(Self::best()) };
+        Self::named(name).ok_or_else(|| {
+            let known: Vec<&str> = Self::all().map(Self::name).collect();
+            Error::invalid("MIDAIR_SIMD", name, format!("this machine has {}", known.join(", ")))
+        })
     }
 
     /// Returns the set of this name if this machine has it. Upper and lower case, "-" and "_" make no difference.

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use crate::control::Control;
 use crate::kernels::lanes::{LANES, Line};
-use crate::kernels::propagate::moduli::{Run, add_moduli, interleaved_moduli, keep_moduli};
+use crate::kernels::propagate::moduli::{Run, add_moduli, interleaved_moduli};
 use crate::kernels::propagate::row::ControlPoints;
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::propagate::source::SourceList;
@@ -77,8 +77,14 @@ fn an_interleaved_batch_has_the_bits_of_its_problems() {
             let mut total = vec![0.0; x.len()];
             for run in Run::all(&shots[0].radiation, &sources) {
                 let mut sums = vec![f32::NAN; x.len()];
-                assert!(!interleaved_moduli(set, &run, points, 1e-4, &mut sums), "{set}: no point is that near");
-                assert!(interleaved_moduli(set, &run, points, 1e9, &mut sums), "{set}: all points are that near");
+                assert!(
+                    !interleaved_moduli(set, &run, points, 1e-4, &mut sums, &mut []),
+                    "{set}: no point is that near"
+                );
+                assert!(
+                    interleaved_moduli(set, &run, points, 1e9, &mut sums, &mut []),
+                    "{set}: all points are that near"
+                );
                 total.iter_mut().zip(sums).for_each(|(total, sum)| *total += wide(sum));
             }
             for (lane, problem) in problems.iter().enumerate() {
@@ -101,7 +107,7 @@ fn kept_amplitudes_change_no_bit_of_sums_or_rows() {
             let mut lines = vec![Line([f32::NAN; LANES]); transducers * lanes / LANES];
             for run in Run::all(&shots[0].radiation, &sources) {
                 let part = &mut lines[run.members.start * lanes / LANES..run.members.end * lanes / LANES];
-                assert!(!keep_moduli(set, &run, points, 1e-4, &mut sums, part), "{set}: no point is that near");
+                assert!(!interleaved_moduli(set, &run, points, 1e-4, &mut sums, part), "{set}: no point is that near");
                 total.iter_mut().zip(&sums).for_each(|(total, &sum)| *total += wide(sum));
             }
             assert_eq!(total, self::sums(set, &shots, &sources), "{set}: {pattern}");

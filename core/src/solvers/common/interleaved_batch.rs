@@ -119,7 +119,7 @@ pub(crate) fn sum_moduli(problems: &mut [Problem], work: &Workspace) -> bool {
     let mut near = false;
     let Sources { radiation, transducers, .. } = &*points.prepared;
     for run in Run::all(radiation, transducers) {
-        near |= interleaved_moduli(points.set, &run, points.control_points(), NEAR, &mut sums);
+        near |= interleaved_moduli(points.set, &run, points.control_points(), NEAR, &mut sums, &mut []);
         for (lane, problem) in problems.iter_mut().enumerate() {
             for (reach, sums) in problem.reach.iter_mut().zip(sums.as_chunks::<LANES>().0) {
                 *reach += f64::from(sums[lane]);
