@@ -4,7 +4,15 @@ use alloc::format;
 use alloc::string::String;
 
 use crate::files::source::Format;
-use crate::scene::{Array, Bead, Key, Medium, Obstacle, keys};
+use crate::scene::{Array, Bead, Key, Medium, Obstacle};
+
+/// Declares keys, each with its meaning and an example.
+macro_rules! keys {
+    ($( $(#[doc = $doc:literal])+ $key:ident, such as $example:literal; )+) => {
+        &[$( $crate::scene::Key::new(stringify!($key), $example, concat!($($doc),+)), )+]
+    };
+}
+pub(super) use keys;
 
 /// The path of a table, and its keys.
 type Table = (&'static str, &'static [Key]);

@@ -5,7 +5,8 @@ use alloc::vec::Vec;
 use crate::files::fault::Fault;
 use crate::files::item::Item;
 use crate::files::node::Node;
-use crate::scene::{Key, keys};
+use crate::files::schema::keys;
+use crate::scene::Key;
 
 const FILE: &[Key] = keys! {
     /// Seed of all random numbers.

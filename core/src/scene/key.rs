@@ -19,14 +19,6 @@ impl Key {
     }
 }
 
-/// Declares keys, each with its meaning and an example.
-macro_rules! keys {
-    ($( $(#[doc = $doc:literal])+ $key:ident, such as $example:literal; )+) => {
-        &[$( $crate::scene::Key::new(stringify!($key), $example, concat!($($doc),+)), )+]
-    };
-}
-pub(crate) use keys;
-
 /// Declares a struct of numbers, each with its unit, default, range and an example. The keys after `or by` have no field: the
 /// fields are computed from them.
 ///

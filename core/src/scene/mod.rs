@@ -40,7 +40,6 @@ pub use directivity::{Directivity, Parameter};
 pub(crate) use extent::{check_array, check_places};
 pub(crate) use geometry::{check_positions, distance, dot};
 pub use key::Key;
-pub(crate) use key::keys;
 pub use medium::{Medium, spl};
 pub use mesh::Mesh;
 pub use obstacle::{Body, Obstacle};
