@@ -97,8 +97,13 @@ def test_a_rotation_is_an_axis_a_quaternion_or_a_matrix(tmp_path: Path) -> None:
     for rotation in (angle * axis, 3 * np.array(quaternion), matrix):
         mesh = midair.Mesh.from_file(tmp_path / "a.stl", scale=2.0, rotation=rotation, offset=[0, 0, 0.1])
         assert mesh.vertices == pytest.approx(expected, abs=1e-12)
-    for wrong in ([0, 0, 0, 0], np.diag([1, 1, -1]), 2 * np.eye(3), [1, 2]):
-        with pytest.raises(midair.SceneError, match=r"rotation.*give axis times angle"):
+    for wrong, cure in (
+        ([0, 0, 0, 0], "give a quaternion of length 1"),
+        (np.diag([1, 1, -1]), "give orthonormal rows of determinant 1"),
+        (2 * np.eye(3), "give orthonormal rows of determinant 1"),
+        ([1, 2], "axis times angle in rad"),
+    ):
+        with pytest.raises(midair.SceneError, match=f"^rotation is .*{cure}"):
             midair.Mesh.from_file(tmp_path / "a.stl", rotation=wrong)
     text = """
     [array]

@@ -7,12 +7,12 @@ use crate::files::source::Format;
 use crate::scene::{Array, Bead, Key, Medium, Obstacle};
 
 /// Declares keys, each with its meaning and an example.
-macro_rules! keys {
+macro_rules! key_list {
     ($( $(#[doc = $doc:literal])+ $key:ident, such as $example:literal; )+) => {
         &[$( $crate::scene::Key::new(stringify!($key), $example, concat!($($doc),+)), )+]
     };
 }
-pub(super) use keys;
+pub(super) use key_list;
 
 /// The path of a table, and its keys.
 type Table = (&'static str, &'static [Key]);
@@ -20,7 +20,7 @@ type Table = (&'static str, &'static [Key]);
 const TABLES: &[Table] = &[
     (
         "",
-        keys! {
+        key_list! {
             /// The air: frequency, sound speed, absorption and density.
             medium, such as r#"{"frequency": 40e3}"#;
             /// The transducers: exactly one of grid, preset, positions and part.
@@ -53,7 +53,7 @@ const TABLES: &[Table] = &[
     ("bead", Bead::KEYS),
     (
         "array",
-        keys! {
+        key_list! {
             /// A flat grid in the plane z = 0, centred on the origin; x varies fastest.
             grid, such as r#"{"nx": 20, "ny": 20, "pitch": 10e-3}"#;
             /// Name of an array; `midair presets` lists the names.
@@ -75,7 +75,7 @@ const TABLES: &[Table] = &[
     ("array", Array::PART_KEYS),
     (
         "array.grid",
-        keys! {
+        key_list! {
             /// Number of transducers along x.
             nx, such as "20";
             /// Number of transducers along y.
@@ -86,7 +86,7 @@ const TABLES: &[Table] = &[
     ),
     (
         "array.positions",
-        keys! {
+        key_list! {
             /// Table, relative to the scene file: for each transducer a row x, y, z or x, y, z, nx, ny, nz in m; in Python any file
             /// that Array.from_file reads.
             file, such as r#""bowl.csv""#;
@@ -94,7 +94,7 @@ const TABLES: &[Table] = &[
     ),
     (
         "array.quantization",
-        keys! {
+        key_list! {
             /// Number of evenly spaced phases, 2 to 65536.
             phases, such as "256";
             /// The possible amplitudes, each 0 to 1.
@@ -105,7 +105,7 @@ const TABLES: &[Table] = &[
     ),
     (
         "points[]",
-        keys! {
+        key_list! {
             /// Position x, y, z in m.
             position, such as "[0.0, 0.0, 0.15]";
             /// Table of points, relative to the scene file, instead of a position: x, y, z in m, and if you like pressure, phase,
@@ -121,7 +121,7 @@ const TABLES: &[Table] = &[
     ),
     (
         "shape[]",
-        keys! {
+        key_list! {
             /// Kind of shape: line, circle, polyline, text or svg.
             kind, such as r#""circle""#;
             /// First end of a line: x, y, z in m.
@@ -160,7 +160,7 @@ const TABLES: &[Table] = &[
     ),
     (
         "image[]",
-        keys! {
+        key_list! {
             /// File of the picture, relative to the scene file.
             file, such as r#""logo.png""#;
             /// Longer side of the picture in m.
@@ -180,7 +180,7 @@ const TABLES: &[Table] = &[
     ("obstacles[]", Obstacle::PARTS),
     (
         "obstacles[]",
-        keys! {
+        key_list! {
             /// Boundary condition of the surface: rigid or soft; default rigid.
             kind, such as r#""rigid""#;
             /// Of a mesh: x, y, z of each vertex in m.
@@ -201,7 +201,7 @@ const TABLES: &[Table] = &[
     ),
     (
         "motion",
-        keys! {
+        key_list! {
             /// Number of frames per second.
             rate, such as "10e3";
             /// Largest change of a phase from one frame to the next, in rad; default pi/16.
@@ -222,7 +222,7 @@ const TABLES: &[Table] = &[
     ),
     (
         "motion.path[]",
-        keys! {
+        key_list! {
             /// circle, line, polyline, lissajous, still, svg or morph. The other keys are those of `midair.path`.
             kind, such as r#""circle""#;
             /// Center of a circle or lissajous: x, y, z in m.
@@ -279,7 +279,7 @@ const TABLES: &[Table] = &[
     ),
     (
         "motion.path[].am",
-        keys! {
+        key_list! {
             /// Frequency of the modulation in Hz.
             frequency, such as "200.0";
             /// Shape of the modulation: sqrt, cosine or square; default sqrt.
@@ -294,7 +294,7 @@ const TABLES: &[Table] = &[
     ),
     (
         "solver",
-        keys! {
+        key_list! {
             /// Name of the method; `midair solvers` lists the names.
             name, such as r#""greedy""#;
             /// Whether to solve at the level that the array can reach and then to reduce the drives.
@@ -305,7 +305,7 @@ const TABLES: &[Table] = &[
     ),
     (
         "plane",
-        keys! {
+        key_list! {
             /// Height z in m of a plane normal to z.
             z, such as "0.15";
             /// Axis to which the plane is normal: x, y or z.

@@ -5,10 +5,10 @@ use alloc::vec::Vec;
 use crate::files::fault::Fault;
 use crate::files::item::Item;
 use crate::files::node::Node;
-use crate::files::schema::keys;
+use crate::files::schema::key_list;
 use crate::scene::Key;
 
-const FILE: &[Key] = keys! {
+const FILE: &[Key] = key_list! {
     /// Seed of all random numbers.
     seed, such as "0";
     /// Number of trials, or a list of their seeds.
@@ -27,7 +27,7 @@ const FILE: &[Key] = keys! {
     solver, such as r#"[{"name": "greedy"}]"#;
 };
 
-const POINTS: &[Key] = keys! {
+const POINTS: &[Key] = key_list! {
     /// Number of random points; several numbers are an axis of the sweep.
     count, such as "8";
     /// Coordinate x in m: a number, or the range [low, high] of random numbers.
