@@ -196,7 +196,7 @@ def gorkov(
     *,
     bead: Bead | Mapping[str, Any] | None = None,
 ) -> Gradient:
-    """Compute Gor'kov's potential U in J of a small sphere at points, and its gradients.
+    """Compute the potential U in J of the force on a sphere at points, without the push of travelling waves.
 
     Parameters
     ----------
@@ -222,9 +222,9 @@ def gorkov(
     >>> import midair
     >>> array, points = midair.Array.preset("paper20"), [[0, 0, 0.1]]
     >>> drive = midair.solve(midair.Scene(array, points, signature="trap")).drive
-    >>> by = midair.grad.gorkov(array, drive, points)
-    >>> force = midair.gorkov(midair.Scene(array, points), drive).force
-    >>> bool(abs(by.points + force).max() < 1e-9 * abs(force).max())
+    >>> by = midair.grad.gorkov(array, drive, points, bead={"radius": 1e-4})
+    >>> force = midair.gorkov(midair.Scene(array, points), drive, bead={"radius": 1e-4}).force
+    >>> bool(abs(by.points + force).max() < 0.01 * abs(force).max())
     True
     """
     return _gradient("gorkov", scene, drive, points, cotangent, bead)
@@ -238,7 +238,7 @@ def force(
     *,
     bead: Bead | Mapping[str, Any] | None = None,
 ) -> Gradient:
-    """Compute the force -grad U in N on a small sphere at points, without its weight, and its gradients.
+    """Compute the force of sound in N on a sphere at points, without its weight, and its gradients.
 
     Parameters
     ----------

@@ -66,7 +66,7 @@ impl Gorkov {
 getters! {
     Gorkov:
 
-    /// Gor'kov potential U (P,) in J.
+    /// Potential (P,) in J of the force without the push of travelling waves; Gor'kov's for small spheres.
     potential(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.potential.clone());
 
     /// Weight minus buoyancy (3,) in N.
@@ -75,10 +75,10 @@ getters! {
     /// Effective mass in kg: the sphere's own mass and half the mass of the air that it displaces.
     mass(self, _py) -> f64 = self.mass;
 
-    /// Force -grad U (P, 3) in N, without gravity.
+    /// Force of sound (P, 3) in N, without gravity.
     force(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, &self.force);
 
-    /// All second derivatives of U (P, 3, 3) in N/m, whose diagonal is the stiffness.
+    /// Symmetric part of -dF_i/dx_a (P, 3, 3) in N/m, whose diagonal is the stiffness.
     hessian(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> =
         give::list(py, self.hessian.as_flattened().as_flattened().to_vec()).reshape([self.hessian.len(), 3, 3]);
 }
@@ -142,7 +142,7 @@ getters! {
     /// Whether each bead is trapped (P,): the net force pulls it back from all sides, within a wavelength of the start.
     held(self, py) -> Bound<'py, PyArray1<bool>> = give::list(py, self.held.clone());
 
-    /// Stiffness (P, 3) in N/m along the axes, the smallest first: the eigenvalues of Gor'kov's hessian.
+    /// Stiffness (P, 3) in N/m along the axes, the smallest first: the eigenvalues of `hessian`.
     stiffness(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, &self.stiffness);
 
     /// Axes (P, 3, 3): three unit vectors as rows.
@@ -188,7 +188,7 @@ fn requested<'py>(
     Ok(Requested { model, drive, points, particle, gravity, remark })
 }
 
-/// Compute Gor'kov's potential, force and stiffness of a small sphere in the field of a drive.
+/// Compute the force of sound on a sphere in the field of a drive, its potential and stiffness.
 ///
 /// Parameters
 /// ----------
@@ -215,14 +215,15 @@ fn requested<'py>(
 ///
 /// Notes
 /// -----
-/// U = V [f1 <p^2>/(2 rho c^2) - 3/4 f2 rho <v^2>] after Bruus, Lab on a Chip 12, 1014 (2012). It is for spheres much
-/// smaller than the wavelength, and neglects viscosity and the force of travelling waves. The field is the real one,
-/// without the scene's signature, in its air and with its obstacles. Derivatives are exact, in double precision; those of waves
-/// that spheres and meshes scatter are exact to 1e-5.
+/// The sphere is a fluid of its density and sound speed. F_i = Re[C0 p* p_i + C1 p_j* p_ij + C2 p_jk* p_ijk] with p_i =
+/// dp/dx_i and coefficients from its partial waves up to the quadrupole (Sapozhnikov and Bailey, J. Acoust. Soc. Am. 133,
+/// 661, 2013). This includes the push of travelling waves, and neglects viscosity. `potential` is that of the force without
+/// this push; for small spheres it is Gor'kov's. The field is the real one, without the scene's signature, in its air and with
+/// its obstacles. Derivatives are exact, in double precision; those of waves that spheres and meshes scatter are exact to
+/// 1e-5.
 ///
-/// From a radius of an eighth of the wavelength on, up to three, the sphere counts as rigid. Its force follows
-/// from a series of spherical waves, which includes the force of travelling waves. It has no potential, which is NaN;
-/// `hessian` and `stiffness` are finite differences of the force.
+/// From a radius of an eighth of the wavelength on, up to three, the force is that of all partial waves. Then `potential` is
+/// NaN, and `hessian` and `stiffness` are finite differences of the force. At the border both agree to 2e-3.
 ///
 /// Examples
 /// --------
@@ -269,7 +270,7 @@ pub(crate) fn gorkov<'py>(
 ///
 /// Notes
 /// -----
-/// The net force, Gor'kov's, weight and buoyancy, is followed to the place where it is 0. Along each axis of the
+/// The net force of sound, weight and buoyancy is followed to the place where it is 0. Along each axis of the
 /// stiffness there, `basin` and `restoring` are range and strength of the restoring force. `frequencies` and
 /// `acceleration` describe the motion of the bead.
 ///

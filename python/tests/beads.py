@@ -1,8 +1,8 @@
 """Simulates beads on a circle between two boards in double precision.
 
-Written from the definitions, without the core: Gor'kov's force from the derivatives of e^{jkr}/r, weight,
-buoyancy, and the drag of Schiller and Naumann (Z. Ver. Dtsch. Ing. 77, 318, 1933). The equation of motion
-is integrated by the Runge-Kutta method of fourth order.
+Written from the definitions, without the core: the force of `traps`, weight, buoyancy, and the drag of
+Schiller and Naumann (Z. Ver. Dtsch. Ing. 77, 318, 1933). The equation of motion is integrated by the
+Runge-Kutta method of fourth order.
 """
 
 import numpy as np
@@ -34,22 +34,13 @@ class Air:
     ) -> None:
         self.positions, self.source, self.radius = positions, source, radius
         volume = 4 / 3 * np.pi * radius**3
-        self.factors = traps.factors(radius, density)
+        self.particle = {"radius": radius, "density": density}
         self.mass = (density + traps.DENSITY / 2) * volume
         self.weight = np.array([0, 0, -9.81]) * (density - traps.DENSITY) * volume
 
     def force(self, drive: Complex, places: Real) -> Real:
-        """Returns Gor'kov's force (M, 3) in N, from the derivatives of e^{jkr}/r."""
-        way = places[:, None] - self.positions
-        r = np.linalg.norm(way, axis=2)
-        v = 2j * np.pi / traps.WAVELENGTH * r
-        wave = self.source * np.exp(v) / r * drive
-        first, second = wave * (v - 1) / r**2, wave * (v * v - 3 * v + 3) / r**4
-        pressure, slope = wave.sum(axis=1), np.einsum("mi,mia->ma", first, way)
-        bend = np.einsum("mi,mia,mib->mab", second, way, way) + first.sum(axis=1)[:, None, None] * np.eye(3)
-        compression, motion = self.factors
-        along = np.einsum("mab,mb->ma", bend, slope.conj())
-        return -2 * (compression * (slope * pressure.conj()[:, None]) + motion * along).real
+        """Returns the force (M, 3) in N."""
+        return traps.force(self.source * drive, places[:, None] - self.positions, **self.particle)
 
     def drag(self, speed: Real) -> Real:
         """Returns Schiller and Naumann's drag (M, 3) in N at velocities (M, 3) in m/s."""

@@ -25,17 +25,8 @@ LEVITATOR = midair.Array(POSITIONS, NORMALS, directivity="point", source_pressur
 
 
 def force(drive: Complex, place: Real) -> Real:
-    """Returns Gor'kov's force -grad U (3,), from the derivatives of the point sources' fields."""
-    way = place - POSITIONS
-    r = np.linalg.norm(way, axis=1)
-    e = way / r[:, None]
-    p = 3.0 / r * np.exp(1j * K * r) * drive
-    first = p * (1j * K - 1 / r)
-    gradient = first @ e
-    along = p * ((1j * K - 1 / r) ** 2 + 1 / r**2) - first / r
-    second = np.einsum("i,ia,ib->ab", along, e, e) + np.eye(3) * (first / r).sum()
-    compression, motion = traps.factors()
-    return -2 * (compression * (p.sum().conj() * gradient).real + motion * (gradient.conj() @ second).real)
+    """Returns the force (3,) of the point sources."""
+    return traps.force(3.0 * drive, place - POSITIONS)
 
 
 def drag(speed: Real) -> Real:

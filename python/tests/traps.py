@@ -1,7 +1,8 @@
-"""Traps in double precision: Gor'kov's potential by finite differences, arrays whose boards face each other,
-and a direct optimisation of the stiffness.
+"""Traps in double precision: the force of sound on a sphere, arrays whose boards face each other, and a
+direct optimisation of the stiffness.
 
-Written from the definitions, without the core: Bruus, Lab on a Chip 12, 1014 (2012).
+Written from the definitions, without the core: partial waves of a sphere of fluid (Anderson, J. Acoust. Soc.
+Am. 22, 426, 1950), up to the quadrupole.
 """
 
 from collections.abc import Callable
@@ -10,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
+from scipy.special import spherical_jn, spherical_yn
 
 import midair
 from oracle import Complex, Real
@@ -45,15 +47,41 @@ def tinylev() -> tuple[Real, Real]:
     return positions, -positions / np.linalg.norm(positions, axis=1, keepdims=True)
 
 
-def factors(radius: float = 1e-3, density: float = 29.0, sound_speed: float = 900.0) -> tuple[float, float]:
-    """Returns the factors of |p|^2 and |grad p|^2 (peak values) in Gor'kov's potential U."""
-    volume = 4 / 3 * np.pi * radius**3
-    f1 = 1 - DENSITY * SOUND_SPEED**2 / (density * sound_speed**2)
-    f2 = 2 * (density - DENSITY) / (2 * density + DENSITY)
-    return (
-        volume * f1 / (4 * DENSITY * SOUND_SPEED**2),
-        -volume * 3 / 8 * f2 / (DENSITY * (2 * np.pi * FREQUENCY) ** 2),
-    )
+def pairs(radius: float = 1e-3, density: float = 29.0, sound_speed: float = 900.0, orders: int = 3) -> Complex:
+    """Returns s_n + s_(n+1)* + 2 s_n s_(n+1)* of the partial waves s_n, for the first orders n."""
+    k, inside, n = 2 * np.pi / WAVELENGTH, 2 * np.pi * FREQUENCY / sound_speed, np.arange(orders + 1)
+    gain = DENSITY * inside / (density * k) * spherical_jn(n, inside * radius, derivative=True)
+    gain /= spherical_jn(n, inside * radius)
+    regular = spherical_jn(n, k * radius, derivative=True) - gain * spherical_jn(n, k * radius)
+    other = spherical_yn(n, k * radius, derivative=True) - gain * spherical_yn(n, k * radius)
+    s = -regular / (regular + 1j * other)
+    return s[:-1] + s[1:].conj() + 2 * s[:-1] * s[1:].conj()
+
+
+def response(**particle: float) -> Complex:
+    """Returns C (3,) in F_i = Re[C_0 p* p_i + C_1 p_j* p_ij + C_2 p_jk* p_ijk], p_i = dp/dx_i."""
+    k = 2 * np.pi / WAVELENGTH
+    w = 1j * pairs(**particle).conj()
+    c = np.array([w[0] + w[1].conj() - 1.5 * w[2], 3 * (w[1] + w[2].conj()) / k**2, 7.5 * w[2] / k**4])
+    return c * 2 * np.pi / (DENSITY * SOUND_SPEED**2 * k**3)
+
+
+def force(waves: Complex, ways: Real, **particle: float) -> Real:
+    """Returns the force (..., 3) of waves of amplitudes (N,) from point sources, at the distances (..., N, 3)."""
+    r, one = np.linalg.norm(ways, axis=-1), np.eye(3)
+    v = 2j * np.pi / WAVELENGTH * r
+    p = waves * np.exp(v) / r
+    p1, p2 = p * (v - 1) / r**2, p * (v**2 - 3 * v + 3) / r**4
+    p3 = p * (v**3 - 6 * v**2 + 15 * v - 15) / r**6
+    slope, square = np.einsum("...n,...na->...a", p1, ways), np.einsum("...n,...na->...a", p2, ways)
+    bend = np.einsum("...n,...na,...nb->...ab", p2, ways, ways) + p1.sum(axis=-1)[..., None, None] * one
+    cube = np.einsum("...n,...na,...nb,...nc->...abc", p3, ways, ways, ways)
+    for sides in ("...a,bc->...abc", "...b,ac->...abc", "...c,ab->...abc"):
+        cube = cube + np.einsum(sides, square, one)
+    c = response(**particle)
+    felt = c[0] * p.sum(axis=-1)[..., None].conj() * slope
+    felt = felt + c[1] * np.einsum("...b,...ab->...a", slope.conj(), bend)
+    return (felt + c[2] * np.einsum("...bc,...abc->...a", bend.conj(), cube)).real
 
 
 def along(function: Callable[[Real], NDArray[Any]], points: Real) -> NDArray[Any]:
@@ -62,39 +90,48 @@ def along(function: Callable[[Real], NDArray[Any]], points: Real) -> NDArray[Any
     return np.tensordot(function(points[..., None, None, :] + shifts), FIRST, (points.ndim, 0))
 
 
-def gorkov(pressure: Callable[[Real], Complex], points: Real, **particle: float) -> tuple[Real, Real, Real]:
-    """Returns U (P,), force (P, 3) and second derivatives of U (P, 3, 3),
-    all by differences of a pressure.
+def felt(pressure: Callable[[Real], Complex], points: Real, **particle: float) -> tuple[Real, Real, Real]:
+    """Returns the potential (P,), the force (P, 3) and the symmetric part of its slope (P, 3, 3), by
+    differences of a pressure.
     """
-    compression, motion = factors(**particle)
+    c = response(**particle)
 
-    def potential(at: Real) -> Real:
-        return compression * abs(pressure(at)) ** 2 + motion * (abs(along(pressure, at)) ** 2).sum(axis=-1)
+    def first(at: Real) -> Complex:
+        return along(pressure, at)
 
-    def slope(at: Real) -> Real:
-        return along(potential, at)
+    def second(at: Real) -> Complex:
+        return along(first, at)
 
-    return potential(points), -slope(points), along(slope, points)
+    def push(at: Real) -> Real:
+        p, slope, bend, cube = pressure(at)[..., None], first(at), second(at), along(second, at)
+        own = c[0] * p.conj() * slope + c[1] * (slope.conj()[..., None, :] * bend).sum(axis=-1)
+        return (own + c[2] * np.einsum("...bc,...bca->...a", bend.conj(), cube)).real
+
+    sizes = [abs(pressure(points)) ** 2, (abs(first(points)) ** 2).sum(axis=-1)]
+    sizes.append((abs(second(points)) ** 2).sum(axis=(-1, -2)))
+    slope = np.array([along(push, point) for point in points])
+    return -c.real @ sizes / 2, push(points), -(slope + slope.swapaxes(1, 2)) / 2
 
 
 def direct(positions: Real, points: Real, starts: list[Real]) -> Complex:
     """Returns the drive (N,) with |q| = 1 whose least stiffness is the largest that L-BFGS finds, for point
     sources.
 
-    The least over M points and three axes is smoothed, with a decreasing width. U is quadratic in p and
-    grad p, and the stiffness is a second difference of U, so the gradient by the phases is exact.
+    The least over M points and three axes is smoothed, with a decreasing width. U is quadratic in p
+    and its derivatives, and the stiffness is a second difference of U, so the gradient by the phases is
+    exact.
     """
-    compression, motion = factors()
+    c = -response().real / 2
     h = WAVELENGTH / 50
     shifts = h * np.concatenate([np.zeros((1, 3)), np.eye(3), -np.eye(3)])
     way = (points[:, None] + shifts)[:, :, None] - positions
     r = np.linalg.norm(way, axis=-1)
     k = 2 * np.pi / WAVELENGTH
     p = 4.386 / r * np.exp(1j * k * r)
-    rows = np.concatenate(
-        [p[..., None, :], np.moveaxis((p * (1j * k - 1 / r) / r)[..., None] * way, -1, -2)], axis=-2
-    )
-    scales = np.array([compression, motion, motion, motion])
+    p1, p2 = p * (1j * k - 1 / r) / r, p * (3 / r**2 - 3j * k / r - k**2) / r**2
+    bends = [p2 * way[..., a] * way[..., b] + p1 * (a == b) for a in range(3) for b in range(3)]
+    rows = np.stack([p, *np.moveaxis(p1[..., None] * way, -1, 0), *bends], axis=-2)
+    scales = np.repeat(c, [1, 3, 9])
     # The weights of U at seven places that give the stiffness along each axis.
     differences = np.concatenate([np.full((3, 1), -2.0), np.eye(3), np.eye(3)], axis=1) / h**2
 

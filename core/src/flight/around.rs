@@ -9,9 +9,9 @@
 //! ```
 //!
 //! (NIST's Digital Library of Mathematical Functions, 10.60.7 and 14.30.9.) R is the ball's radius, k the wavenumber; d and s
-//! are the directions of a quadrature rule with weights w. Orders up to 6 leave an error of 1e-5 of the pressure. Gor'kov's
-//! potential U = c1 |p|^2 - c2 |grad p|^2 gives the force at some places in a smaller ball. A polynomial of degree 6 fitted
-//! to these forces is accurate to 1e-3.
+//! are the directions of a quadrature rule with weights w. Orders up to 6 leave an error of 1e-5 of the pressure. The
+//! derivatives of p give the force at some places in a smaller ball, by `response`. A polynomial of degree 6 fitted to these
+//! forces is accurate to 1e-3.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -22,12 +22,13 @@ use num_complex::{Complex32, Complex64};
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::LANES;
-use crate::kernels::around::{Ball, VALUES, forces};
+use crate::kernels::around::{Ball, VALUES, WAYS, forces};
 use crate::kernels::flight::TERMS;
 use crate::math;
 use crate::propagation::field::field;
+use crate::propagation::forces::response::coefficients;
 use crate::propagation::model::Model;
-use crate::scene::dot;
+use crate::scene::{Particle, dot};
 use crate::vec3::Vec3;
 
 /// Highest order of the waves.
@@ -45,16 +46,14 @@ const PLACES: usize = 180;
 /// Number of terms in the power series of a Bessel function.
 const SERIES: usize = 11;
 
-/// Pairs of axes of the six second derivatives.
-const SECOND: [[usize; 2]; 6] = [[0, 0], [0, 1], [0, 2], [1, 1], [1, 2], [2, 2]];
-
 /// Force in N along x, y and z: the coefficients of x^a y^b z^c, ordered by degree up to 6, then by falling exponents.
 pub(crate) type Polynomial = [[f64; 3]; TERMS];
 
 /// The forces on a sphere in the fields of drives of one array.
 pub(crate) struct Around<'a> {
     model: &'a Model,
-    factors: [f64; 2],
+    /// C_0, C_1 and C_2 of `response`, real and imaginary parts.
+    coefficients: [[f32; 2]; 3],
     /// Places on the ball in m, relative to its centre.
     surface: Vec<[f64; 3]>,
     ball: Ball,
@@ -63,8 +62,8 @@ pub(crate) struct Around<'a> {
 }
 
 impl<'a> Around<'a> {
-    /// Prepares the forces on a sphere with Gor'kov's factors of |p|^2 and -|grad p|^2.
-    pub(crate) fn new(model: &'a Model, factors: [f64; 2]) -> Self {
+    /// Prepares the forces on a sphere.
+    pub(crate) fn new(model: &'a Model, particle: Particle) -> Self {
         let medium = model.medium();
         let wavelength = medium.wavelength();
         let wavenumber = Complex64::new(2.0 * PI / wavelength, medium.absorption);
@@ -75,18 +74,14 @@ impl<'a> Around<'a> {
         let places = within();
         let mut inside = Vec::with_capacity(PLACES * VALUES * rule.len());
         for place in &places {
-            for value in 0..VALUES {
+            for axes in WAYS {
                 let plane: Vec<Complex64> = rule
                     .iter()
                     .map(|node| {
                         let slope = |axis: usize| Complex64::I * wavenumber * node.way[axis];
                         let way = unit * dot(*place, node.way);
                         let wave = math::phasor(wavenumber.re * way) * math::exp(-wavenumber.im * way);
-                        match value {
-                            0 => wave,
-                            1..4 => wave * slope(value - 1),
-                            _ => SECOND[value - 4].iter().fold(wave, |wave, &axis| wave * slope(axis)),
-                        }
+                        axes.iter().fold(wave, |wave, &axis| wave * slope(axis))
                     })
                     .collect();
                 inside.extend((0..rule.len()).map(|s| {
@@ -96,7 +91,8 @@ impl<'a> Around<'a> {
             }
         }
         let ball = Ball { inside, through: through(&places), places: PLACES };
-        Self { model, factors, surface, ball, unit }
+        let coefficients = coefficients(particle, medium).map(|c| [c.re as f32, c.im as f32]);
+        Self { model, coefficients, surface, ball, unit }
     }
 
     /// Returns for each of the places (P, 3) in m the force around it, in the field of its drive (P, N). The variables of the
@@ -122,7 +118,7 @@ impl<'a> Around<'a> {
                 }
             }
             let mut out = [[[0.0; LANES]; 3]; TERMS];
-            forces(self.model.set, &self.ball, self.factors.map(|x| x as f32), &sound, &mut out);
+            forces(self.model.set, &self.ball, self.coefficients, &sound, &mut out);
             for (lane, polynomial) in polynomials.iter_mut().enumerate() {
                 *polynomial = out.map(|term| term.map(|lanes| f64::from(lanes[lane])));
             }

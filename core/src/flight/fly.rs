@@ -82,8 +82,8 @@ impl Flown {
 }
 
 impl Course {
-    /// Simulates beads (B,) for a number of knots. Each bead obeys m x'' = F + weight - buoyancy - drag, with Gor'kov's
-    /// force F in the field at that time. A bead that is more than half a wavelength from its point is lost.
+    /// Simulates beads (B,) for a number of knots. Each bead obeys m x'' = F + weight - buoyancy - drag, with the
+    /// force F of sound in the field at that time. A bead that is more than half a wavelength from its point is lost.
     ///
     /// # Errors
     /// A place that is not finite, no bead, fewer than two knots; a bead that reaches a place which [`crate::field()`]
@@ -104,7 +104,7 @@ impl Course {
         check_finite("beads", &states)?;
         one_each("drives", model.array().len(), "transducers", self.drive(0).len(), "of the course")?;
         control.room("the tracks of beads", [model.array().len(), knots], bytes(48, &[knots, beads.len()]))?;
-        let around = Around::new(model, bead.particle.factors(model.medium()));
+        let around = Around::new(model, bead.particle);
         let mut flown = Flown {
             places: vec![[f64::NAN; 3]; knots * beads.len()],
             points: self.ways(knots, &points),

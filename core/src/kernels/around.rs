@@ -9,12 +9,46 @@ use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::Elementwise;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
-/// Number of values at a place: the pressure, its first derivatives along x, y and z, and its second derivatives along xx,
-/// xy, xz, yy, yz and zz.
-pub(crate) const VALUES: usize = 10;
+/// Number of values at a place: the pressure and its derivatives up to the third, along [`WAYS`].
+pub(crate) const VALUES: usize = 20;
 
-/// Index of each second derivative among the values, by its two axes.
-const SECOND: [[usize; 3]; 3] = [[4, 5, 6], [5, 7, 8], [6, 8, 9]];
+/// The axes of each derivative among the values.
+pub(crate) const WAYS: [&[usize]; VALUES] = [
+    &[],
+    &[0],
+    &[1],
+    &[2],
+    &[0, 0],
+    &[0, 1],
+    &[0, 2],
+    &[1, 1],
+    &[1, 2],
+    &[2, 2],
+    &[0, 0, 0],
+    &[0, 0, 1],
+    &[0, 0, 2],
+    &[0, 1, 1],
+    &[0, 1, 2],
+    &[0, 2, 2],
+    &[1, 1, 1],
+    &[1, 1, 2],
+    &[1, 2, 2],
+    &[2, 2, 2],
+];
+
+/// For each value up to the second derivatives, the index of its derivative along each axis.
+const NEXT: [[usize; 3]; 10] = [
+    [1, 2, 3],
+    [4, 5, 6],
+    [5, 7, 8],
+    [6, 8, 9],
+    [10, 11, 12],
+    [11, 13, 14],
+    [12, 14, 15],
+    [13, 16, 17],
+    [14, 17, 18],
+    [15, 18, 19],
+];
 
 /// Matrices that turn the pressure on a ball into the force in it.
 pub(crate) struct Ball {
@@ -28,12 +62,12 @@ pub(crate) struct Ball {
     pub(crate) places: usize,
 }
 
-/// Writes the polynomials of the force on a sphere with Gor'kov's `factors` into `out`, one ball in each lane, from the
+/// Writes the polynomials of the force on a sphere with the coefficients C of `response` into `out`, one ball in each lane, from the
 /// real and imaginary pressures (D,) on the balls.
 pub(crate) fn forces(
     set: InstructionSet,
     ball: &Ball,
-    factors: [f32; 2],
+    coefficients: [[f32; 2]; 3],
     sound: &[[Lanes; 2]],
     out: &mut [[Lanes; 3]; TERMS],
 ) {
@@ -46,14 +80,17 @@ pub(crate) fn forces(
                 (values[2 * pair], values[2 * pair + 1]) = (first, second);
             }
             for axis in 0..3 {
-                let compressed = real(s, values[0], values[1 + axis]);
-                let mut moved = s.splat(0.0);
-                for other in 0..3 {
-                    moved = s.add(moved, real(s, values[1 + other], values[SECOND[axis][other]]));
+                let mut sum = s.splat(0.0);
+                for inner in 0..NEXT.len() {
+                    let way = WAYS[inner];
+                    let twice = if way.len() == 2 && way[0] != way[1] { 2.0 } else { 1.0 };
+                    let [re, im] = coefficients[way.len()].map(|part| s.splat(twice * part));
+                    let (a, b) = (values[inner], values[NEXT[inner][axis]]);
+                    // Re(C conj(a) b).
+                    sum = s.fma(re, s.fma(a[0], b[0], s.mul(a[1], b[1])), sum);
+                    sum = s.fma(im, s.fnma(a[0], b[1], s.mul(a[1], b[0])), sum);
                 }
-                let [compression, motion] = factors;
-                let pulled = s.mul(compressed, s.splat(-2.0 * compression));
-                s.store(s.fma(moved, s.splat(2.0 * motion), pulled), &mut force[axis]);
+                s.store(sum, &mut force[axis]);
             }
         }
         for (shares, out) in ball.through.chunks_exact(ball.places).zip(out) {
@@ -86,10 +123,4 @@ fn product<S: Elementwise>(s: S, rows: &[[f32; 2]], sound: &[[Lanes; 2]]) -> [[S
         }
     }
     sums
-}
-
-/// Returns the real part of conj(a) b.
-#[inline(always)]
-fn real<S: Elementwise>(s: S, a: [S::V; 2], b: [S::V; 2]) -> S::V {
-    s.fma(a[0], b[0], s.mul(a[1], b[1]))
 }

@@ -20,7 +20,7 @@ use alloc::vec::Vec;
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::backward::{Pull, Senders};
-use crate::kernels::derivatives::{TERMS, expand};
+use crate::kernels::derivatives::{MORE_TERMS, TERMS, expand};
 use crate::kernels::simd::doubles::{Doubles, EIGHT, V, dot, list, loaded, ray, runs, total};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::waves::{C, Emitters, Slopes, Waves};
@@ -45,8 +45,8 @@ pub(crate) struct Weights {
 }
 
 /// Returns the gradients with respect to a point (3 numbers) and to the wavenumber (the last one); adds those with
-/// respect to the transducers to `pulls`. The sums have the first `COUNT` Taylor coefficients.
-pub(crate) fn contract<const COUNT: usize>(
+/// respect to the transducers to `pulls`.
+pub(crate) fn contract(
     set: InstructionSet,
     Senders { waves, emitters, drives }: Senders<'_>,
     point: [f64; 3],
@@ -61,7 +61,7 @@ pub(crate) fn contract<const COUNT: usize>(
             for ((block, drive), pull) in blocks.iter().zip(drives).zip(pulls.iter_mut()) {
                 for at in runs(s) {
                     let drive = loaded(s, drive, at);
-                    let terms = contracted::<_, COUNT>(s, waves, block, at, point, drive, weights, pull);
+                    let terms = contracted(s, waves, block, at, point, drive, weights, pull);
                     for k in 0..4 {
                         terms[k].onto(&mut sums[k][at..]);
                     }
@@ -74,7 +74,7 @@ pub(crate) fn contract<const COUNT: usize>(
 
 #[allow(clippy::too_many_arguments, reason = "part of a kernel")]
 #[inline(always)]
-fn contracted<S: Doubles, const COUNT: usize>(
+fn contracted<S: Doubles>(
     s: S,
     waves: &Waves,
     block: &Emitters,
@@ -84,7 +84,7 @@ fn contracted<S: Doubles, const COUNT: usize>(
     weights: &Weights,
     pull: &mut Pull,
 ) -> [V<S>; 4] {
-    let c = expand::<S, COUNT>(s, waves, &waves.slopes, block, at, point);
+    let c = expand::<S, MORE_TERMS>(s, waves, &waves.slopes, block, at, point);
     let value = summed(s, &weights.value, &c);
     value[0].onto(&mut pull.drive[0][at..]);
     (value[1] * -1.0).onto(&mut pull.drive[1][at..]);

@@ -36,17 +36,17 @@ pub(crate) fn each(
     waves: &Waves,
     emitters: &[Emitters],
     point: [f64; 3],
-    mut take: impl FnMut(usize, &[[Eight; TERMS]; 2]),
+    mut take: impl FnMut(usize, &[[Eight; MORE_TERMS]; 2]),
     control: &mut Control,
 ) -> Result<(), Error> {
-    let mut terms = [[[0.0; EIGHT]; TERMS]; 2];
+    let mut terms = [[[0.0; EIGHT]; MORE_TERMS]; 2];
     for (b, block) in emitters.iter().enumerate() {
         control.pulse()?;
         dispatch!(set, s => {
             for at in runs(s) {
-                let derivatives = expand::<_, TERMS>(s, waves, &waves.slopes, block, at, point);
+                let derivatives = expand::<_, MORE_TERMS>(s, waves, &waves.slopes, block, at, point);
                 for part in 0..2 {
-                    for term in 0..TERMS {
+                    for term in 0..MORE_TERMS {
                         derivatives[part][term].put(&mut terms[part][term][at..]);
                     }
                 }
@@ -64,16 +64,16 @@ pub(crate) fn sum(
     emitters: &[Emitters],
     point: [f64; 3],
     control: &mut Control,
-) -> Result<[[f64; TERMS]; 2], Error> {
-    let mut sums = [[[0.0; EIGHT]; TERMS]; 2];
+) -> Result<[[f64; MORE_TERMS]; 2], Error> {
+    let mut sums = [[[0.0; EIGHT]; MORE_TERMS]; 2];
     for blocks in emitters.chunks(EIGHT) {
         control.pulse()?;
         dispatch!(set, s => {
             for block in blocks {
                 for at in runs(s) {
-                    let derivatives = expand::<_, TERMS>(s, waves, &waves.slopes, block, at, point);
+                    let derivatives = expand::<_, MORE_TERMS>(s, waves, &waves.slopes, block, at, point);
                     for part in 0..2 {
-                        for term in 0..TERMS {
+                        for term in 0..MORE_TERMS {
                             let sum = &mut sums[part][term][at..];
                             (V::of(s, sum) + derivatives[part][term]).put(sum);
                         }

@@ -1,11 +1,10 @@
-//! Jet: a function of position as its Taylor polynomial of degree 3 around a point, for exact derivatives.
+//! Jet: a function of position as its Taylor polynomial of degree 4 around a point, for exact derivatives.
 
-use crate::kernels::derivatives::MORE_TERMS;
-pub(crate) use crate::kernels::derivatives::TERMS;
+pub(crate) use crate::kernels::derivatives::MORE_TERMS as TERMS;
 
 /// The exponents (x, y, z) of the monomials up to degree 4, sorted by degree.
-pub(crate) const EXPONENTS: [[u8; 3]; MORE_TERMS] = {
-    let mut exponents = [[0; 3]; MORE_TERMS];
+pub(crate) const EXPONENTS: [[u8; 3]; TERMS] = {
+    let mut exponents = [[0; 3]; TERMS];
     let (mut next, mut degree) = (0, 0);
     while degree <= 4 {
         let mut a = degree + 1;
@@ -37,10 +36,10 @@ pub(crate) const fn place(of: [u8; 3]) -> usize {
     at
 }
 
-/// The number of pairs of monomials whose product has degree 3 or less.
-const PAIRS: usize = 84;
+/// The number of pairs of monomials whose product has degree 4 or less.
+const PAIRS: usize = 210;
 
-/// The pairs of monomials whose product has degree 3 or less: the index of each factor and of the product.
+/// The pairs of monomials whose product has degree 4 or less: the index of each factor and of the product.
 const PRODUCTS: [[usize; 3]; PAIRS] = {
     let mut products = [[0; 3]; PAIRS];
     let (mut next, mut i) = (0, 0);
@@ -49,7 +48,7 @@ const PRODUCTS: [[usize; 3]; PAIRS] = {
         while j < TERMS {
             let (a, b) = (EXPONENTS[i], EXPONENTS[j]);
             let sum = [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
-            if sum[0] + sum[1] + sum[2] <= 3 {
+            if sum[0] + sum[1] + sum[2] <= 4 {
                 products[next] = [i, j, place(sum)];
                 next += 1;
             }
@@ -60,6 +59,11 @@ const PRODUCTS: [[usize; 3]; PAIRS] = {
     products
 };
 
+/// The factorial of each exponent of a monomial, multiplied: a derivative is this number times its Taylor coefficient.
+pub(crate) fn factorial(term: usize) -> f64 {
+    EXPONENTS[term].iter().map(|&exponent| f64::from((1..=u32::from(exponent)).product::<u32>())).product()
+}
+
 /// The coefficients of the monomials in the displacement from the point, the constant first.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Jet([f64; TERMS]);
@@ -68,8 +72,8 @@ impl Jet {
     pub(crate) const ZERO: Self = Self([0.0; TERMS]);
 
     /// Returns the jet with these coefficients.
-    pub(crate) fn of(coefficients: [f64; TERMS]) -> Self {
-        Self(coefficients)
+    pub(crate) fn of(coefficients: &[f64; TERMS]) -> Self {
+        Self(*coefficients)
     }
 
     /// The linear function `slope` . x.
@@ -82,7 +86,9 @@ impl Jet {
     /// The quadratic function |x|^2.
     pub(crate) fn square() -> Self {
         let mut jet = Self::ZERO;
-        (0..3).for_each(|axis| jet.0[place(second(axis, axis))] = 1.0);
+        for exponents in [[2, 0, 0], [0, 2, 0], [0, 0, 2]] {
+            jet.0[place(exponents)] = 1.0;
+        }
         jet
     }
 
@@ -103,53 +109,13 @@ impl Jet {
         self.0.iter_mut().zip(&other.0).for_each(|(sum, other)| *sum += factor * other);
     }
 
+    /// The product of two jets, up to degree 4.
     pub(crate) fn times(&self, other: &Self) -> Self {
         let mut product = Self::ZERO;
         for [i, j, at] in PRODUCTS {
             product.0[at] += self.0[i] * other.0[j];
         }
         product
-    }
-
-    /// The derivative along an axis: exact up to degree 2, because the terms of degree 4 are unknown.
-    pub(crate) fn derivative(&self, axis: usize) -> Self {
-        let mut derivative = Self::ZERO;
-        for (exponents, coefficient) in EXPONENTS.iter().zip(&self.0) {
-            if exponents[axis] > 0 {
-                let mut lower = *exponents;
-                lower[axis] -= 1;
-                derivative.0[place(lower)] += f64::from(exponents[axis]) * coefficient;
-            }
-        }
-        derivative
-    }
-
-    /// The dot product of the two lists of coefficients.
-    pub(crate) fn dot(&self, other: &Self) -> f64 {
-        self.0.iter().zip(&other.0).map(|(c, other)| c * other).sum()
-    }
-
-    /// Returns the cotangent of one factor of a product, from the cotangent of the product (`self`) and the other
-    /// factor.
-    pub(crate) fn back_times(&self, other: &Self) -> Self {
-        let mut back = Self::ZERO;
-        for [i, j, at] in PRODUCTS {
-            back.0[i] += self.0[at] * other.0[j];
-        }
-        back
-    }
-
-    /// Returns the cotangent of a function, from the cotangent of the function's derivative along an axis (`self`).
-    pub(crate) fn back_derivative(&self, axis: usize) -> Self {
-        let mut back = Self::ZERO;
-        for (entry, exponents) in back.0.iter_mut().zip(&EXPONENTS) {
-            if exponents[axis] > 0 {
-                let mut lower = *exponents;
-                lower[axis] -= 1;
-                *entry = f64::from(exponents[axis]) * self.0[place(lower)];
-            }
-        }
-        back
     }
 
     /// The value at the point.
@@ -161,17 +127,4 @@ impl Jet {
     pub(crate) fn gradient(&self) -> [f64; 3] {
         [self.0[1], self.0[2], self.0[3]]
     }
-
-    /// The second derivatives at the point.
-    pub(crate) fn hessian(&self) -> [[f64; 3]; 3] {
-        [0, 1, 2].map(|x| [0, 1, 2].map(|y| if x == y { 2.0 } else { 1.0 } * self.0[place(second(x, y))]))
-    }
-}
-
-/// The exponents of the product of two coordinates.
-fn second(x: usize, y: usize) -> [u8; 3] {
-    let mut exponents = [0; 3];
-    exponents[x] += 1;
-    exponents[y] += 1;
-    exponents
 }

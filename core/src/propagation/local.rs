@@ -5,12 +5,13 @@
 //! from the middle, from the pressures p(a s) on the sphere of radius a in the directions s:
 //!
 //! ```text
-//! p(x) = sum_l (2l + 1)/(4 pi) j_l(kr)/j_l(ka) int p(a s) P_l(s . x/r) ds,   j_l(kr) = (kr)^l/(2l + 1)!! (1 - (kr)^2/(4l + 6) + ...)
+//! p(x) = sum_l (2l + 1)/(4 pi) j_l(kr)/j_l(ka) int p(a s) P_l(s . x/r) ds
+//! j_l(kr) = (kr)^l/(2l + 1)!! (1 - (kr)^2/(4l + 6) + (kr)^4/((4l + 6)(8l + 20)) - ...)
 //! ```
 //!
 //! The integral over the directions s is computed by a Gauss rule in the height and equal steps in azimuth, exact to
-//! degree 11. Derivatives up to the third need the orders l up to 3. The rule separates these orders from all others
-//! below 9. r^l P_l(s . x/r) is a polynomial in x.
+//! degree 13. Derivatives up to the fourth need the orders l up to 4. The rule separates these orders from all others
+//! below 10. r^l P_l(s . x/r) is a polynomial in x.
 
 use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
@@ -24,7 +25,7 @@ use crate::scene::Medium;
 use crate::vec3::Vec3;
 
 /// The number of heights of the Gauss rule; there are twice as many steps in azimuth.
-const HEIGHTS: usize = 6;
+const HEIGHTS: usize = 7;
 
 /// The least distance in wavelengths between a point and a sphere or mesh, for derivatives of the field.
 pub(crate) const LEAST_CLEARANCE: f64 = 0.01;
@@ -66,12 +67,12 @@ impl Local {
             let p = pressure(place);
             sum.iter_mut().zip(terms).for_each(|(sum, term)| *sum += p * term);
         }
-        [Jet::of(sum.map(|c| c.re)), Jet::of(sum.map(|c| c.im))]
+        [Jet::of(&sum.map(|c| c.re)), Jet::of(&sum.map(|c| c.im))]
     }
 }
 
 /// The weights of a direction s: the sum over l of (2l + 1)/(4 pi) `j_l(kr)/j_l(ka) P_l(s . x/r)` as a polynomial up to degree
-/// 3 in x.
+/// 4 in x.
 fn shares(wavenumber: Complex64, radius: f64, s: [f64; 3]) -> [Complex64; TERMS] {
     let along = Jet::linear(s);
     let square = Jet::square();
@@ -81,12 +82,15 @@ fn shares(wavenumber: Complex64, radius: f64, s: [f64; 3]) -> [Complex64; TERMS]
         sum.add(b, less);
         sum
     };
-    let twice = along.times(&along);
+    let (twice, square_twice) = (along.times(&along), square.times(&square));
+    let mut fourth = mixed(&twice.times(&twice), 4.375, &square.times(&twice), -3.75);
+    fourth.add(&square_twice, 0.375);
     let orders = [
         Jet::monomial(0),
         along,
         mixed(&twice, 1.5, &square, -0.5),
         mixed(&twice.times(&along), 2.5, &square.times(&along), -1.5),
+        fourth,
     ];
     let mut terms = [Complex64::ZERO; TERMS];
     let mut unit = 1.0;
@@ -94,9 +98,9 @@ fn shares(wavenumber: Complex64, radius: f64, s: [f64; 3]) -> [Complex64; TERMS]
         let factor = (2 * l + 1) as f64 / (4.0 * PI * unit) / tail(wavenumber * radius, l);
         unit *= radius;
         let next = -wavenumber * wavenumber / (4 * l + 6) as f64;
-        let above = order.times(&square);
-        for ((term, c), above) in terms.iter_mut().zip(order.coefficients()).zip(above.coefficients()) {
-            *term += factor * (c + next * above);
+        let last = -next * wavenumber * wavenumber / (8 * l + 20) as f64;
+        for (share, part) in [(1.0.into(), *order), (next, order.times(&square)), (last, order.times(&square_twice))] {
+            terms.iter_mut().zip(part.coefficients()).for_each(|(term, c)| *term += factor * share * c);
         }
     }
     terms

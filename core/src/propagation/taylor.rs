@@ -1,4 +1,4 @@
-//! Taylor: the waves of an array's transducers as Taylor polynomials around a point, exact up to degree 3.
+//! Taylor: the waves of an array's transducers as Taylor polynomials around a point, exact up to degree 4.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -43,7 +43,7 @@ impl Taylor {
     /// Adds the waves of all transducers around a point to a pressure, given as real and imaginary part.
     pub(crate) fn add(&self, point: [f64; 3], pressure: &mut [Jet; 2], control: &mut Control) -> Result<(), Error> {
         let sums = derivatives::sum(self.set, &self.waves, &self.emitters, point, control)?;
-        pressure.iter_mut().zip(sums).for_each(|(part, sum)| part.add(&Jet::of(sum), 1.0));
+        pressure.iter_mut().zip(sums).for_each(|(part, sum)| part.add(&Jet::of(&sum), 1.0));
         Ok(())
     }
 

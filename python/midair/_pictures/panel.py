@@ -137,7 +137,7 @@ def draw(field: Field, ax: Axes, colours: Colours) -> AxesImage:
 
 
 def _push(ax: Axes, field: Field, axes: tuple[int, int]) -> None:
-    """Draw the force on a small bead (Gor'kov) around each trap in a vertical plane.
+    """Draw the force on a bead around each trap in a vertical plane.
 
     The length of an arrow is the root of the force.
     """

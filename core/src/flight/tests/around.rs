@@ -1,4 +1,4 @@
-//! Tests of the force's polynomials against Gor'kov's force, of the quadrature rule and of the Bessel functions.
+//! Tests of the force's polynomials against `gorkov`, of the quadrature rule and of the Bessel functions.
 
 use super::*;
 use crate::InstructionSet;
@@ -7,7 +7,7 @@ use crate::rng::Rng;
 use crate::scene::{Array, Medium, Particle};
 
 #[test]
-fn polynomials_around_places_are_gorkovs_force_by_every_set_and_whatever_the_number_of_them() {
+fn polynomials_around_places_are_the_force_by_every_set_and_whatever_the_number_of_them() {
     let array = Array::preset("openmpd_pair", [1, 1]).expect("an array");
     let particle = Particle::default();
     let mut rng = Rng::new(3);
@@ -16,7 +16,7 @@ fn polynomials_around_places_are_gorkovs_force_by_every_set_and_whatever_the_num
         let focus = |i: usize| Complex32::cis(-(model.sources.exact(i, [1e-3, 0.0, 2e-3]).arg() as f32));
         let sign = |i: usize| if i < 256 { 1.0 } else { -1.0 };
         let drive: Vec<Complex32> = (0..array.len()).map(|i| focus(i) * sign(i)).collect();
-        let around = Around::new(&model, particle.factors(model.medium()));
+        let around = Around::new(&model, particle);
         let places: Vec<[f64; 3]> = (0..19).map(|k| [1e-3 + 1e-4 * f64::from(k), -5e-4, 2e-3]).collect();
         let polynomials = around.at(&places, &[&drive[..]; 19], &mut Control::none()).expect("forces");
         for (place, polynomial) in places.iter().zip(&polynomials) {

@@ -20,15 +20,14 @@ use crate::error::{Error, one_each};
 use crate::kernels::InstructionSet;
 use crate::kernels::backward::{Pull, Senders, Sent, back, forth};
 use crate::kernels::contraction::contract;
-use crate::kernels::derivatives::{MORE_TERMS, TERMS};
 use crate::kernels::simd::doubles::{EIGHT, Eight};
 use crate::propagation::forces::quantity::{Quantity, weights};
+use crate::propagation::forces::response::Response;
 use crate::propagation::jet::Jet;
 use crate::propagation::model::Model;
 use crate::propagation::scattering::reflection::reflections;
 use crate::propagation::sources::Sources;
 use crate::propagation::taylor::Taylor;
-use crate::scene::Particle;
 use crate::scene::{Medium, Obstacle, check_places};
 use crate::vec3::Vec3;
 
@@ -41,6 +40,9 @@ const WAITING: usize = 4;
 
 /// From this many pairs of a transducer and a point on, a second thread saves more time than its start takes.
 const SPREAD: usize = 1 << 17;
+
+/// The step of the differences for the gradient of a stiffness, in wavelengths. Their error is 1e-7.
+const STEP: f64 = 1.0 / 400.0;
 
 /// The unit vectors along x, y and z.
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -139,6 +141,8 @@ struct Pass<'a> {
     set: InstructionSet,
     medium: Medium,
     quantity: Quantity,
+    /// For a quantity of a particle, its response and the derivative of the response by the sound speed.
+    responses: Option<[Response; 2]>,
     all: Vec<Seen<'a>>,
 }
 
@@ -198,7 +202,9 @@ impl<'a> Pass<'a> {
             let turned = mirrors.iter().map(|mirror| AXES.map(|axis| mirror.direction(Vec3(axis)).0));
             all.extend(scattering.images.iter().zip(turned).map(|(sources, axes)| seen(sources, axes)));
         }
-        Ok(Self { set: model.set, medium, quantity, all })
+        let responses =
+            quantity.particle().map(|particle| [Response::new(particle, medium), Response::by_speed(particle, medium)]);
+        Ok(Self { set: model.set, medium, quantity, responses, all })
     }
 
     /// Returns the values and, with a cotangent, the gradients. Blocks of points are computed in parallel and added in their
@@ -272,9 +278,9 @@ impl<'a> Pass<'a> {
             let values = j * width..(j + 1) * width;
             let cotangent = cotangent.map(|cotangent| &cotangent[values.clone()]);
             let spot = Spot { index: first + j, point, values: values.clone(), cotangent };
-            let by_point = match self.quantity.particle() {
+            let by_point = match &self.responses {
                 None => self.of_pressure(spot, &mut sent, &mut part, control)?,
-                Some(particle) => self.of_particle(spot, particle, &mut part, control)?,
+                Some(responses) => self.of_particle(spot, responses, &mut part, control)?,
             };
             let finite = |all: &[f64]| all.iter().all(|x| x.is_finite());
             if !(finite(&by_point) && finite(&part.value[values])) {
@@ -322,26 +328,58 @@ impl<'a> Pass<'a> {
     fn of_particle(
         &self,
         Spot { index, point, values, cotangent }: Spot<'_>,
-        particle: Particle,
+        responses: &[Response; 2],
         part: &mut Part,
         control: &mut Control,
     ) -> Result<[f64; 3], Error> {
+        let pressure = self.expanded(index, point, control)?;
+        self.quantity.write_of_particle(&pressure, &responses[0], &mut part.value[values]);
+        let Some(cotangent) = cotangent else { return Ok([0.0; 3]) };
+        let Quantity::Stiffness(particle) = self.quantity else {
+            return self.pull(self.quantity, responses, (point, &pressure), cotangent, part, control);
+        };
+        // The stiffness contains fourth derivatives of the field, and its gradient would need the fifth. So the gradient is the
+        // difference, of fourth order, of that of the force.
+        let step = STEP * self.medium.wavelength();
+        let mut by_point = [0.0; 3];
+        for (axis, share) in cotangent.iter().enumerate() {
+            for (steps, weight) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {
+                let (mut beside, mut cotangent) = (point, [0.0; 3]);
+                beside[axis] += steps * step;
+                cotangent[axis] = -weight * share / (12.0 * step);
+                let pressure = self.expanded(index, beside, control)?;
+                let force = Quantity::Force(particle);
+                let by_place = self.pull(force, responses, (beside, &pressure), &cotangent, part, control)?;
+                (0..3).for_each(|axis| by_point[axis] += by_place[axis]);
+            }
+        }
+        Ok(by_point)
+    }
+
+    /// The Taylor polynomials of the pressure around a point, real and imaginary part.
+    fn expanded(&self, index: usize, point: [f64; 3], control: &mut Control) -> Result<[Jet; 2], Error> {
         let mut pressure = [Jet::ZERO; 2];
         for seen in &self.all {
             (0..seen.sources.array.len()).try_for_each(|i| seen.sources.check_distance(i, index, point))?;
             seen.driven.iter().try_for_each(|waves| waves.add(point, &mut pressure, control))?;
         }
-        let value = &mut part.value[values];
-        self.quantity.write_of_particle(&pressure, particle.factors(self.medium), value);
-        let Some(cotangent) = cotangent else { return Ok([0.0; 3]) };
-        let (pulled, by_speed) = self.quantity.back_of_particle(self.medium, particle, &pressure, cotangent);
+        Ok(pressure)
+    }
+
+    /// Adds the gradients of a quantity of a particle, without fourth derivatives, at a point with this pressure. Returns the
+    /// gradient by the point.
+    fn pull(
+        &self,
+        quantity: Quantity,
+        responses: &[Response; 2],
+        (point, pressure): ([f64; 3], &[Jet; 2]),
+        cotangent: &[f64],
+        part: &mut Part,
+        control: &mut Control,
+    ) -> Result<[f64; 3], Error> {
+        let (pulled, by_speed) = quantity.back_of_particle(responses, pressure, cotangent);
         part.by_speed += by_speed;
         let weights = weights(&pulled);
-        // Only the stiffness contains third derivatives of the field, so only its gradient needs the fourth.
-        let contract = match self.quantity {
-            Quantity::Stiffness(_) => contract::<MORE_TERMS>,
-            _ => contract::<TERMS>,
-        };
         let mut by_point = [0.0; 3];
         for (seen, pulls) in self.all.iter().zip(&mut part.pulls) {
             let by_place = contract(self.set, seen.senders(), point, &weights, pulls, control)?;

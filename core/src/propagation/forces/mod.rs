@@ -5,5 +5,6 @@ pub(crate) mod gradient;
 mod momentum;
 pub(crate) mod particle;
 pub(crate) mod quantity;
+pub(crate) mod response;
 pub(crate) mod rest;
 pub(crate) mod stiffness;

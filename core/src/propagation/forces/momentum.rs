@@ -1,4 +1,4 @@
-//! Momentum: the force of sound on a rigid sphere of any size, from the spherical waves at its surface.
+//! Momentum: the force of sound on a sphere of any size, from the spherical waves at its surface.
 //!
 //! Around the sphere, the sound of the drive is a sum of regular waves a_k j_n(kr) Y_k. The sphere scatters outgoing waves s_n
 //! a_k h_n(kr) Y_k. Far away, half of each regular wave goes outwards. The force is the momentum that flows in less the
@@ -6,12 +6,12 @@
 //!
 //! ```text
 //! F = -1/(2 rho c^2) int n Re(S conj(S + 2 f)) dn,   S = sum_k (-j)^(n+1) s_n a_k Y_k/k,   f = sum_k (-j)^(n+1) a_k Y_k/(2k)
-//! s_n = -(k j_n' - g_n j_n)/(k h_n' - g_n h_n) at ka,   g_1 = rho/(rho_p a), else 0
+//! s_n = -(k j_n' - g_n j_n)/(k h_n' - g_n h_n) at ka,   g_n = rho/rho_p k_p j_n'(k_p a)/j_n(k_p a)
 //! ```
 //!
-//! Here a is the radius, rho_p the density of the sphere, n the direction, and k in Y_k/k the wavenumber. g_1 lets the sphere
-//! move with the sound as far as its mass allows (P. M. Morse and K. U. Ingard, Theoretical Acoustics, 1968, sections 8.2 and
-//! 8.3). The air has no viscosity and, around the sphere, no absorption.
+//! Here a is the radius, n the direction, and k in Y_k/k the wavenumber. The sphere is a fluid of density rho_p and sound speed
+//! c_p = omega/k_p (V. C. Anderson, J. Acoust. Soc. Am. 22, 426, 1950). For a large c_p it is rigid, and moves with the sound
+//! as far as its mass allows: g_1 = rho/(rho_p a), g_0 = 0. The air has no viscosity and, around the sphere, no absorption.
 
 use alloc::vec::Vec;
 
@@ -41,15 +41,8 @@ impl Pushed {
         let size = medium.wavenumber() * particle.radius;
         // Waves of higher orders are below 1e-8 (W. J. Wiscombe, Applied Optics 19, 1505, 1980).
         let order = math::ceil(size + 4.05 * math::cbrt(size) + 4.0) as usize;
-        let sphere = Sphere::of_order([0.0; 3], particle.radius, Surface::Rigid, medium, order);
-        let moved = medium.density / (particle.density * particle.radius);
-        let orders = (0..=order).map(|n| {
-            let [h, slope] = sphere.outgoing(n);
-            let gain = if n == 1 { moved } else { 0.0 };
-            let under = slope * medium.wavenumber() - h * gain;
-            [h.re.into(), slope.re.into(), -under.inv(), gain * under.inv()]
-        });
-        Self { radius: particle.radius, medium, orders: orders.collect(), rules: Rules::new(&sphere) }
+        let (sphere, orders) = orders(particle, medium, order);
+        Self { radius: particle.radius, medium, orders, rules: Rules::new(&sphere) }
     }
 
     /// Returns the force in N on the sphere around `center`. `pressure` returns the real and imaginary part at a place.
@@ -88,6 +81,37 @@ impl Pushed {
     }
 }
 
+/// Returns s_n of the module's head for the orders 0 to `order`.
+pub(crate) fn scattered(particle: Particle, medium: Medium, order: usize) -> Vec<Complex64> {
+    let medium = Medium { absorption: 0.0, ..medium };
+    let (k, (_, orders)) = (medium.wavenumber(), orders(particle, medium, order));
+    orders.iter().map(|[j, slope, by_slope, by_pressure]| by_slope * slope * k + by_pressure * j).collect()
+}
+
+/// Returns a sphere in a medium without absorption, and [`Pushed::orders`] from 0 to `order`.
+fn orders(particle: Particle, medium: Medium, order: usize) -> (Sphere, Vec<[Complex64; 4]>) {
+    let sphere = Sphere::of_order([0.0; 3], particle.radius, Surface::Rigid, medium, order);
+    let inside = medium.wavenumber() * medium.sound_speed / particle.sound_speed;
+    let size = inside * particle.radius;
+    // j_(n+1)/j_n by a continued fraction, from an order at which it is 0.
+    let mut ratio = 0.0;
+    let mut gains: Vec<f64> = (0..order + size as usize + 20)
+        .rev()
+        .map(|n| {
+            ratio = 1.0 / ((2 * n + 3) as f64 / size - ratio);
+            medium.density / particle.density * inside * (n as f64 / size - ratio)
+        })
+        .collect();
+    gains.reverse();
+    let each = (0..=order).map(|n| {
+        let [h, slope] = sphere.outgoing(n);
+        let under = slope * medium.wavenumber() - h * gains[n];
+        [h.re.into(), slope.re.into(), -under.inv(), gains[n] * under.inv()]
+    });
+    let orders = each.collect();
+    (sphere, orders)
+}
+
 #[cfg(test)]
 #[path = "tests/momentum.rs"]
-mod tests;
+pub(crate) mod tests;

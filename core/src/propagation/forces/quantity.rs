@@ -1,17 +1,17 @@
 //! Quantity: a function of the field at a point, and its derivatives by the pressure there.
 
+use alloc::vec;
+use alloc::vec::Vec;
+
 use num_complex::Complex64;
 
 use crate::error::Error;
 use crate::kernels::contraction::Weights;
 use crate::math;
-use crate::propagation::forces::particle::{back, potential};
+use crate::propagation::forces::response::{Form, Response};
 use crate::propagation::jet::{EXPONENTS, Jet, TERMS, place};
 use crate::scene::Medium;
 use crate::scene::Particle;
-
-/// The indices of x^2, y^2 and z^2 among the coefficients of a [`Jet`].
-const SQUARES: [usize; 3] = [4, 7, 9];
 
 /// A quantity of the field at each point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub enum Quantity {
     Amplitude,
     /// Radiation pressure |p|^2/(rho c^2) in Pa on a wall at normal incidence.
     Radiation,
-    /// The Gor'kov potential of a particle in J.
+    /// The potential of the force on a particle in J, without the push of travelling waves.
     Potential(Particle),
     /// The force on a particle in N: three numbers for each point.
     Force(Particle),
@@ -98,35 +98,38 @@ impl Quantity {
         }
     }
 
-    /// Writes the value of a quantity of a particle, for the Taylor polynomials of the pressure around the point (real and
-    /// imaginary part).
-    pub(crate) fn write_of_particle(self, pressure: &[Jet; 2], factors: [f64; 2], value: &mut [f64]) {
-        let potential = potential(pressure, factors);
+    /// The bilinear forms of a quantity of a particle, one for each of its values.
+    fn forms(self, response: &Response) -> Vec<&Form> {
         match self {
-            Self::Force(_) => value.copy_from_slice(&potential.gradient().map(|slope| -slope)),
-            Self::Stiffness(_) => value.copy_from_slice(&SQUARES.map(|term| 2.0 * potential.coefficients()[term])),
-            _ => value[0] = potential.value(),
+            Self::Force(_) => response.force.iter().collect(),
+            Self::Stiffness(_) => (0..3).map(|axis| &response.hessian[axis][axis]).collect(),
+            _ => vec![&response.potential],
         }
     }
 
+    /// Writes the value of a quantity of a particle, for the Taylor polynomials of the pressure around the point (real and
+    /// imaginary part).
+    pub(crate) fn write_of_particle(self, pressure: &[Jet; 2], response: &Response, value: &mut [f64]) {
+        let field = pressure.each_ref().map(Jet::coefficients);
+        value.iter_mut().zip(self.forms(response)).for_each(|(value, form)| *value = form.value(field));
+    }
+
     /// Returns the cotangents of the coefficients of the pressure for a scalar L, and the derivative of L by the
-    /// sound speed at constant pressure.
+    /// sound speed at constant pressure. `responses` are that of the particle and its derivative by the sound speed.
     pub(crate) fn back_of_particle(
         self,
-        medium: Medium,
-        particle: Particle,
+        responses: &[Response; 2],
         pressure: &[Jet; 2],
         cotangent: &[f64],
     ) -> ([Jet; 2], f64) {
-        let mut potential = [0.0; TERMS];
-        match self {
-            Self::Force(_) => (0..3).for_each(|axis| potential[1 + axis] = -cotangent[axis]),
-            Self::Stiffness(_) => (0..3).for_each(|axis| potential[SQUARES[axis]] = 2.0 * cotangent[axis]),
-            _ => potential[0] = cotangent[0],
-        }
-        let potential = Jet::of(potential);
-        let squares: f64 = pressure.iter().map(|part| potential.dot(&part.times(part))).sum();
-        (back(pressure, particle.factors(medium), &potential), squares * particle.factor_slope(medium))
+        let field = pressure.each_ref().map(Jet::coefficients);
+        let mut pulls = [[0.0; TERMS]; 2];
+        let [forms, by_speed] = responses.each_ref().map(|response| self.forms(response));
+        forms.iter().zip(cotangent).for_each(|(form, share)| form.pull(*share, field, &mut pulls));
+        (
+            pulls.each_ref().map(Jet::of),
+            by_speed.iter().zip(cotangent).map(|(form, share)| share * form.value(field)).sum(),
+        )
     }
 }
 

@@ -49,9 +49,9 @@ pub struct Rest {
 }
 
 /// Finds where particles that start at `points` (P, 3) in m come to rest, in the field of a drive (N,) with a `gravity` in
-/// m/s^2. The search follows the net force, Gor'kov's force plus weight less buoyancy, to a place where it is 0.
+/// m/s^2. The search follows the net force, that of the sound plus weight less buoyancy, to a place where it is 0.
 ///
-/// Each step is the net force times the inverse of |stiffness|, at most 1/48 of a wavelength, and never raises the energy. The
+/// Each step is the net force times the inverse of |stiffness|, at most 1/48 of a wavelength, and never takes more work than it gives. The
 /// basin is measured along straight lines in both directions of each axis, up to a wavelength.
 ///
 /// # Errors
@@ -157,14 +157,10 @@ struct Follow<'a> {
 }
 
 impl Follow<'_> {
-    /// Energy, net force and second derivatives at a place; `None` if the force there is unknown.
+    /// Net force and stiffness at a place; `None` if the force there is unknown.
     fn net(&self, j: usize, place: Vec3, control: &mut Control) -> Result<Option<Push>, Error> {
         match self.trap.push(j, place.0, control) {
-            Ok(push) => Ok(Some(Push {
-                potential: push.potential - self.weight.dot(place),
-                force: push.force + self.weight,
-                ..push
-            })),
+            Ok(push) => Ok(Some(Push { force: push.force + self.weight, ..push })),
             Err(error) if error.is_stop() => Err(error),
             Err(_) => Ok(None),
         }
@@ -186,7 +182,8 @@ impl Follow<'_> {
                 return Ok(One::lost(next));
             }
             let Some(there) = self.net(j, next, control)? else { return Ok(One::lost(next)) };
-            if there.potential > here.potential && length > 1e3 * STILL * self.wavelength {
+            // The work along the step, by the mean of both forces.
+            if (here.force + there.force).dot(step.0) < 0.0 && length > 1e3 * STILL * self.wavelength {
                 most = 0.5 * length;
                 continue;
             }

@@ -1,14 +1,14 @@
 //! Stiffness of traps as a quadratic form of the field's Taylor coefficients at each point, for methods that optimise it.
 //!
 //! ```text
-//! c_jt  = sum_i C_jti q_i                                    coefficient t of p at point j, of degree n_t, times k^-n_t
-//! H_jab = sum_tu F_abtu (Re c_jt Re c_ju + Im c_jt Im c_ju)  second derivatives of Gor'kov's potential
-//! K_j   = the eigenvalues of H_j                             -dF/ds along the axes of the trap
-//! f_ja  = sum_tu S_atu (Re c_jt Re c_ju + Im c_jt Im c_ju)   the force
+//! c_jt  = sum_i C_jti q_i               coefficient t of p at point j, of degree n_t, times k^-n_t
+//! H_jab = sum_tu Re(F_abtu c_jt* c_ju)  -(dF_a/dx_b + dF_b/dx_a)/2
+//! K_j   = the eigenvalues of H_j        -dF/ds along the axes of the trap
+//! f_ja  = sum_tu Re(S_atu c_jt* c_ju)   the force
 //! ```
 //!
-//! C, F and S are constant, q is the drive. K contains eigenvalues and not the stiffness along x, y and z: all three of these
-//! can be above 0 although the trap is open in a direction between two axes.
+//! C, F and S are constant, q is the drive. F and S are those of `response`. K contains eigenvalues and not the stiffness along
+//! x, y and z: all three of these can be above 0 although the trap is open in a direction between two axes.
 //!
 //! Foci beside the traps have rows of C, too. Only the first coefficient of a focus, its pressure, is used.
 
@@ -22,8 +22,8 @@ use crate::device::channels::Channels;
 use crate::error::Error;
 use crate::kernels::{InstructionSet, padded};
 use crate::linalg::symmetric::eigen;
-use crate::propagation::forces::particle::potential;
-use crate::propagation::jet::{Jet, TERMS, degree};
+use crate::propagation::forces::response::{Form, Product, Response};
+use crate::propagation::jet::{TERMS, degree};
 use crate::propagation::local::Local;
 use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
@@ -36,9 +36,6 @@ const ENTRIES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]
 /// [`Stiffness::balance`] divides by the stiffness along each axis, but by at least this part of the largest stiffness.
 const LEAST_STIFFNESS: f64 = 1e-3;
 
-/// The matrices F for each of [`ENTRIES`], followed by S for each axis.
-type Forms = Vec<[[f64; TERMS]; TERMS]>;
-
 /// C, F and S of some points, for a particle: traps, and after them foci. See the module's head.
 pub(crate) struct Stiffness {
     /// C column by column, one column for each transducer or channel; the rows of point j begin at j [`TERMS`]. Padded, real
@@ -46,8 +43,8 @@ pub(crate) struct Stiffness {
     planes: [Vec<f32>; 2],
     /// The indices of the traps and of the foci among the points.
     chosen: [Vec<usize>; 2],
-    /// F in N/m and S in N, for coefficients in the units of `planes`.
-    forms: Forms,
+    /// F in N/m for each of [`ENTRIES`], and S in N for each axis, for coefficients in the units of `planes`.
+    forms: Vec<Form>,
     /// The forces in N on the particle at each point besides the sound: weight less buoyancy, minus the forces of
     /// [`Stiffness::pull_by`].
     load: Vec<[f64; 3]>,
@@ -106,7 +103,7 @@ impl Stiffness {
         let finite = re.iter().chain(&im).all(|c| c.is_finite());
         let made = Self {
             planes: [re, im],
-            forms: forms(particle.factors(sources.medium), &units),
+            forms: forms(&Response::new(particle, sources.medium), &units),
             load: vec![particle.weight(sources.medium, gravity); chosen[0].len()],
             chosen,
             particle,
@@ -205,7 +202,7 @@ impl Stiffness {
 
     fn net(&self, field: [&[f32]; 2], j: usize) -> [f64; 3] {
         let parts = field.map(|plane| coefficients(plane, j));
-        [0, 1, 2].map(|axis| self.load[j][axis] + quadratic(&self.forms[ENTRIES.len() + axis], &parts))
+        [0, 1, 2].map(|axis| self.load[j][axis] + self.forms[ENTRIES.len() + axis].value(parts.each_ref()))
     }
 
     /// Writes the gradient of sum_k w_k K_k + sum_j v_j . f_j by the coefficients c: by Re c into `re`, by Im c into `im`. The
@@ -224,12 +221,12 @@ impl Stiffness {
                 let both = if a == b { 1.0 } else { 2.0 };
                 weights.iter().zip(&vectors).map(|(w, v)| both * w * v[a] * v[b]).sum::<f64>()
             });
-            for (plane, pulls) in field.into_iter().zip([&mut *re, &mut *im]) {
-                let mut sum = [0.0; TERMS];
-                for (form, share) in self.forms.iter().zip(shares.iter().chain(forces)) {
-                    let slope = times(form, &coefficients(plane, j));
-                    sum.iter_mut().zip(&slope).for_each(|(sum, slope)| *sum += 2.0 * share * slope);
-                }
+            let parts = field.map(|plane| coefficients(plane, j));
+            let mut sum = [[0.0; TERMS]; 2];
+            for (form, share) in self.forms.iter().zip(shares.iter().chain(forces)) {
+                form.pull(*share, parts.each_ref(), &mut sum);
+            }
+            for (pulls, sum) in [&mut *re, &mut *im].into_iter().zip(sum) {
                 pulls[j * TERMS..].iter_mut().zip(sum).for_each(|(pull, sum)| *pull = sum as f32);
             }
         }
@@ -240,7 +237,7 @@ impl Stiffness {
         let parts = field.map(|plane| coefficients(plane, j));
         let mut hessian = [[0.0; 3]; 3];
         for ([a, b], form) in ENTRIES.into_iter().zip(&self.forms) {
-            hessian[a][b] = quadratic(form, &parts);
+            hessian[a][b] = form.value(parts.each_ref());
             hessian[b][a] = hessian[a][b];
         }
         hessian
@@ -252,45 +249,22 @@ fn units(medium: Medium, pressure: f64) -> [f64; TERMS] {
     core::array::from_fn(|term| pressure / (0..degree(term)).map(|_| medium.wavenumber()).product::<f64>())
 }
 
-/// Returns F and S for coefficients in `units`. They are half the second differences of H and of the force, which are
-/// quadratic.
-fn forms(factors: [f64; 2], units: &[f64; TERMS]) -> Forms {
-    let values = |terms: &[usize]| -> Vec<f64> {
-        let mut part = Jet::ZERO;
-        for &term in terms {
-            part.add(&Jet::monomial(term), 1.0 / units[term]);
-        }
-        let potential = potential(&[part], factors);
-        let (hessian, gradient) = (potential.hessian(), potential.gradient());
-        ENTRIES.iter().map(|&[a, b]| hessian[a][b]).chain(gradient.map(|slope| -slope)).collect()
+/// Returns F and S for coefficients in `units`.
+fn forms(response: &Response, units: &[f64; TERMS]) -> Vec<Form> {
+    let scaled = |form: &Form| {
+        let each = form.0.iter().map(|&Product { terms: [t, u], weight }| Product {
+            terms: [t, u],
+            weight: weight / (units[t] * units[u]),
+        });
+        Form(each.collect())
     };
-    let alone: [_; TERMS] = core::array::from_fn(|term| values(&[term]));
-    let mut forms = vec![[[0.0; TERMS]; TERMS]; alone[0].len()];
-    for t in 0..TERMS {
-        // Only pairs of terms whose degrees have a sum of 1 to 4 contribute to the force and the second derivatives.
-        for u in (0..=t).filter(|&u| (1..=4).contains(&(degree(t) + degree(u)))) {
-            let both = values(&[t, u]);
-            for (entry, form) in forms.iter_mut().enumerate() {
-                form[t][u] = (both[entry] - alone[t][entry] - alone[u][entry]) / 2.0;
-                form[u][t] = form[t][u];
-            }
-        }
-    }
-    forms
-}
-
-/// The value of a quadratic form, summed over the field's real and imaginary part.
-fn quadratic(form: &[[f64; TERMS]; TERMS], parts: &[[f64; TERMS]; 2]) -> f64 {
-    parts.iter().flat_map(|part| part.iter().zip(times(form, part))).map(|(c, slope)| c * slope).sum()
+    let hessian = ENTRIES.iter().map(|&[a, b]| &response.hessian[a][b]);
+    hessian.chain(&response.force).map(scaled).collect()
 }
 
 /// The coefficients of point j.
 fn coefficients(plane: &[f32], j: usize) -> [f64; TERMS] {
     core::array::from_fn(|term| f64::from(plane[j * TERMS + term]))
-}
-
-fn times(form: &[[f64; TERMS]; TERMS], part: &[f64; TERMS]) -> [f64; TERMS] {
-    form.each_ref().map(|row| row.iter().zip(part).map(|(f, c)| f * c).sum())
 }
 
 #[cfg(test)]

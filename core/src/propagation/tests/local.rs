@@ -28,7 +28,9 @@ fn values_on_a_ball_give_the_polynomial_of_a_transducer() {
         for (part, other) in value.iter().zip(&exact) {
             for (term, (c, d)) in part.coefficients().iter().zip(other.coefficients()).enumerate() {
                 let most = largest(crate::propagation::jet::degree(term));
-                assert!((c - d).abs() < 1e-5 * most, "{point:?}, term {term}: {c} {d}");
+                // The force has fourth derivatives only in the small part of the quadrupole.
+                let error = if crate::propagation::jet::degree(term) < 4 { 1e-5 } else { 1e-4 };
+                assert!((c - d).abs() < error * most, "{point:?}, term {term}: {c} {d}");
             }
         }
     }

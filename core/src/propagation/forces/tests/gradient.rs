@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::rng::Rng;
-use crate::scene::{Array, Directivity, Surface, Transducer};
+use crate::scene::{Array, Directivity, Particle, Surface, Transducer};
 
 /// The steps of the differences: for lengths in m, for drives and normals, and for the sound speed in m/s. They are small,
 /// because the second derivatives of measured directivities jump.

@@ -1,22 +1,35 @@
 //! Tests of the force on a large sphere, against closed forms for plane waves.
 
 use super::*;
+use crate::propagation::jet::{EXPONENTS, TERMS, factorial};
 use core::f64::consts::PI;
+
+/// Returns the field of plane waves with these unit vectors and complex amplitudes, with its derivatives.
+pub(crate) fn crossing(
+    medium: Medium,
+    waves: Vec<([f64; 3], Complex64)>,
+) -> impl Fn([f64; 3]) -> Result<[Jet; 2], Error> {
+    let k = medium.wavenumber();
+    move |place| {
+        let mut sum = [[0.0; TERMS]; 2];
+        for (way, amplitude) in &waves {
+            let p = amplitude * math::phasor(k * dot(place, *way));
+            for term in 0..TERMS {
+                let mut slope = p / factorial(term);
+                for (axis, &times) in EXPONENTS[term].iter().enumerate() {
+                    (0..times).for_each(|_| slope *= Complex64::I * k * way[axis]);
+                }
+                sum[0][term] += slope.re;
+                sum[1][term] += slope.im;
+            }
+        }
+        Ok(sum.each_ref().map(Jet::of))
+    }
+}
 
 /// Returns the field of a plane wave along z plus one of amplitude `back` in the opposite direction.
 fn waves(back: f64, medium: Medium) -> impl Fn([f64; 3]) -> Result<[Jet; 2], Error> {
-    let k = medium.wavenumber();
-    move |place: [f64; 3]| {
-        let (sin, cos) = (math::sin(k * place[2]), math::cos(k * place[2]));
-        let (re, im) = ((1.0 + back) * cos, (1.0 - back) * sin);
-        let (re_slope, im_slope) = (-(1.0 + back) * k * sin, (1.0 - back) * k * cos);
-        let jet = |value: f64, slope: f64| {
-            let mut jet = Jet::linear([0.0, 0.0, slope]);
-            jet.add(&Jet::monomial(0), value);
-            jet
-        };
-        Ok([jet(re, re_slope), jet(im, im_slope)])
-    }
+    crossing(medium, vec![([0.0, 0.0, 1.0], Complex64::ONE), ([0.0, 0.0, -1.0], back.into())])
 }
 
 #[test]
