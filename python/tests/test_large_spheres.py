@@ -58,7 +58,14 @@ def flux(sources: Real, drive: Complex, center: Real, radius: float) -> Real:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("radius", "places"),
-    [(10e-3, 4), (25e-3, 1), (2e-3, 3), (1e-3, 3), (0.3e-3, 3), pytest.param(10e-3, 20, marks=pytest.mark.long)],
+    [
+        (10e-3, 4),
+        (25e-3, 1),
+        (2e-3, 3),
+        (1e-3, 3),
+        (0.3e-3, 3),
+        pytest.param(10e-3, 20, marks=pytest.mark.long),
+    ],
 )
 def test_the_force_is_the_flux_of_momentum(radius: float, places: int) -> None:
     rng = np.random.default_rng(7)
@@ -71,10 +78,14 @@ def test_the_force_is_the_flux_of_momentum(radius: float, places: int) -> None:
             else midair.solve(scene.replace(points=[point])).drive
         )
         drive = drive.astype(np.complex64)
-        found = midair.gorkov(scene, drive, [point], bead={"radius": radius, "density": 1e9, "sound_speed": 1e9})
+        found = midair.gorkov(
+            scene, drive, [point], bead={"radius": radius, "density": 1e9, "sound_speed": 1e9}
+        )
         wanted = flux(BOARD.positions, 4.0 * drive.astype(complex), point, radius)
         # Up to lambda/8 the waves above the quadrupole are left out.
-        assert np.linalg.norm(found.force[0] - wanted) < (1e-3 if radius != 1e-3 else 3e-3) * np.linalg.norm(wanted)
+        assert np.linalg.norm(found.force[0] - wanted) < (1e-3 if radius != 1e-3 else 3e-3) * np.linalg.norm(
+            wanted
+        )
         assert np.isnan(found.potential).all() == (radius > WAVELENGTH / 8)
 
 

@@ -47,7 +47,9 @@ def tinylev() -> tuple[Real, Real]:
     return positions, -positions / np.linalg.norm(positions, axis=1, keepdims=True)
 
 
-def pairs(radius: float = 1e-3, density: float = 29.0, sound_speed: float = 900.0, orders: int = 3) -> Complex:
+def pairs(
+    radius: float = 1e-3, density: float = 29.0, sound_speed: float = 900.0, orders: int = 3
+) -> Complex:
     """Returns s_n + s_(n+1)* + 2 s_n s_(n+1)* of the partial waves s_n, for the first orders n."""
     k, inside, n = 2 * np.pi / WAVELENGTH, 2 * np.pi * FREQUENCY / sound_speed, np.arange(orders + 1)
     gain = DENSITY * inside / (density * k) * spherical_jn(n, inside * radius, derivative=True)
@@ -67,7 +69,7 @@ def response(**particle: float) -> Complex:
 
 
 def force(waves: Complex, ways: Real, **particle: float) -> Real:
-    """Returns the force (..., 3) of waves of amplitudes (N,) from point sources, at the distances (..., N, 3)."""
+    """Returns the force (..., 3) of waves of amplitudes (N,) from point sources, at distances (..., N, 3)."""
     r, one = np.linalg.norm(ways, axis=-1), np.eye(3)
     v = 2j * np.pi / WAVELENGTH * r
     p = waves * np.exp(v) / r
