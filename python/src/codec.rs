@@ -36,14 +36,17 @@ impl Codec {
             list.extract::<Vec<usize>>().map_err(|_| invalid("channels", &crate::numbers::quoted(list), cure))
         });
         let channels = channels.transpose()?;
-        let mut board = match (array, channels) {
+        let board = match (array, channels) {
             (None, _) => Board::new(&kind, 1),
             (Some(array), None) => array.inner.board(&kind),
             (Some(array), Some(channels)) => array.inner.board_on(&kind, channels),
         }
-        .map_err(refused)?;
+        .map_err(refused)?
+        // The array of a `midair.Board` has the response of its boards.
+        .correcting(false);
         if let Some(corrections) = corrections {
-            board = board.with_corrections(&read::reals("corrections", corrections)?).map_err(refused)?;
+            let corrections = read::reals("corrections", corrections)?;
+            return Ok(Self { board: board.with_corrections(&corrections).map_err(refused)? });
         }
         Ok(Self { board })
     }

@@ -106,7 +106,7 @@ impl Mesh {
         scale: Option<&Bound<'_, PyAny>>,
         offset: Option<&Bound<'_, PyAny>>,
         rotation: Option<&Bound<'_, PyAny>>,
-        up: Option<&str>,
+        up: Option<&Bound<'_, PyAny>>,
         kind: &str,
     ) -> PyResult<Self> {
         let kind = surface("kind", kind)?;

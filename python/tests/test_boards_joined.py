@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -81,18 +82,18 @@ def test_a_joined_array_has_the_parts_one_after_the_other() -> None:
         ([], "arrays is empty: give at least one array"),
         (
             [BOARD, midair.Array.preset("paper20")],
-            r"arrays\[1\] is of another frequency or air than arrays\[0\]",
+            r"arrays\[1\] is of another frequency or air than the first",
         ),
         (
             [BOARD, midair.Array.preset("sonicsurface")],
-            r"arrays\[1\] is of another transducer than arrays\[0\]",
+            r"arrays\[1\] is of another transducer than the first",
         ),
         ([BOARD, midair.Array.preset("autd3", quantization={})], r"arrays\[1\] is of another quantization"),
         ([BOARD, midair.Array.preset("ultraino_flat8x8")], r"arrays\[1\] is of another frequency or air"),
         ([BOARD, midair.Array.preset("autd3", pins=range(249))], r"arrays\[1\] is of another wiring"),
         (
             [midair.Array.preset("autd3", pins=range(249))] * 2,
-            r"array\.pins\[249\] is 0: array\.pins\[0\] is the same",
+            r"arrays\[1\] is on pin 0, as another transducer",
         ),
         (3, "arrays is 3: give a list of arrays"),
     ],
@@ -192,3 +193,75 @@ def test_parts_of_a_scene_file_are_reported_where_they_stand(array: str, reporte
     with pytest.raises(midair.SceneError, match=reported) as caught:
         midair.Scene.parse(f"[array]\n{array}{points}")
     assert "line 2" in str(caught.value) or "line 1" in str(caught.value)
+
+
+@pytest.mark.parametrize("kind", ["autd3", "sonicsurface", "openmpd_board"])
+def test_boards_put_together_by_their_places_are_reported(kind: str) -> None:
+    board = midair.Array.preset(kind)
+    other = board.moved(rotation=QUARTER, translation=[-0.2, 0, 0.2])
+    places, normals = (
+        np.concatenate([getattr(one, name) for one in (board, other)]) for name in ("positions", "normals")
+    )
+    with pytest.warns(
+        midair.SceneWarning, match="array.positions are those of boards, in a medium of 340 m/s: join arrays"
+    ):
+        midair.Scene(midair.Array(places, normals), [[0, 0, 0.1]])
+    # With air of their own, joined, or alone they are no mistake.
+    midair.Scene(midair.Array(places, normals), [[0, 0, 0.1]], temperature=25)
+    midair.Scene(midair.Array.join([board, other]), [[0, 0, 0.1]])
+    midair.Scene(midair.Array(board.positions), [[0, 0, 0.1]])
+
+
+def test_an_angle_in_degrees_is_no_rotation() -> None:
+    assert BOARD.moved(rotation=[0, 2 * np.pi, 0]).positions == pytest.approx(BOARD.positions, abs=1e-12)
+    with pytest.raises(midair.SceneError, match=r"give at most 2 pi rad \(90\.0 degrees are 1\.5708 rad\)"):
+        BOARD.moved(rotation=[0, 90, 0])
+
+
+@pytest.mark.parametrize(
+    ("second", "reported"),
+    [
+        ('preset = "sonicsurface"', r"array\.part\[1\] is of another transducer than the first"),
+        ('preset = "autd3"', r"array\.part\[1\] is on pin 0, as another transducer"),
+    ],
+)
+def test_a_part_of_a_scene_file_that_cannot_be_joined_is_named(second: str, reported: str) -> None:
+    pins = f"pins = {list(range(249))}" if "autd3" in second else ""
+    parts = f'[[array.part]]\npreset = "autd3"\n{pins}\n[[array.part]]\n{second}\n{pins}\n'
+    with pytest.raises(midair.SceneError, match=reported):
+        midair.Scene.parse(parts + "[[points]]\nposition = [0, 0, 0.1]\n")
+
+
+def test_a_board_whose_response_a_solution_lacks_corrects_it() -> None:
+    preset = midair.Array.preset("ultraino_flat8x8")
+    bare = midair.Array(preset.positions, source_pressure=2.4)
+    scene = midair.Scene(bare, [[0.01, 0.005, 0.08]], temperature=25)
+    solution = midair.solve(scene, "naive")
+    board = midair.Board("mega64", bare)
+    for frame in (board.encode(solution), written(board, solution)):
+        emitted = board.decode(frame) * preset.response
+        off = np.angle(emitted / solution.drive)
+        assert abs(off).max() <= np.pi / 10 + 1e-6
+
+
+def written(board: midair.Board, solution: midair.Solution) -> bytes:
+    """Returns the frame that midair.write stores."""
+    with tempfile.TemporaryDirectory() as folder:
+        midair.write(Path(folder, "a.bin"), solution, board=board)
+        return Path(folder, "a.bin").read_bytes()
+
+
+def test_channels_decide_how_many_boards_there_are() -> None:
+    part = midair.Array(midair.Array.preset("sonicsurface").positions[:10])
+    board = midair.Board("sonicsurface", part, channels=range(500, 510))
+    assert (board.boards, board.channels.tolist()) == (2, list(range(500, 510)))
+    rows = BOARD.positions[0] + np.outer(np.arange(600), [1, 0, 0])
+    with pytest.raises(midair.SceneError, match="transducers is 600: sonicsurface has 1 to 512 channels"):
+        midair.Array(rows).channels_by_place("sonicsurface")
+
+
+def test_a_sonicsurface_is_an_openmpd_board_turned_by_a_quarter() -> None:
+    surface, openmpd = (midair.Array.preset(name) for name in ("sonicsurface", "openmpd_board"))
+    turned = surface.moved(rotation=[0, 0, -np.pi / 2])
+    assert turned.positions == pytest.approx(openmpd.positions, abs=1e-12)
+    assert midair.Board("openmpd", surface).channels.tolist() == midair.Board("openmpd").channels.tolist()

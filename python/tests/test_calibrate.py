@@ -305,6 +305,9 @@ def test_the_prior_share_is_that_of_bayesian_regression() -> None:
     left = np.diag(np.linalg.inv(rows.T @ rows / found.noise**2 + np.eye(34)))
     assert found.prior_share == pytest.approx((left[:16] + left[16:32]) / 2, abs=0.02)
     assert 0.5 < found.prior_share.mean() < 0.8
+    # With few readings, the error of a gain is not 0.
+    assert f"gain {found.gain.mean():.3g} +- {found.gain_error.mean():.2g}," in repr(found)
+    assert found.gain_error.mean() > 0.01
 
 
 @pytest.mark.slow

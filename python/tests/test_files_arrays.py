@@ -175,6 +175,21 @@ def test_ultraino_defaults_and_mixed_powers(tmp_path: Path) -> None:
     np.testing.assert_allclose(array.response, [0.5, 1, 0.5])
 
 
+def test_ultraino_frequency_and_phase_corrections(tmp_path: Path) -> None:
+    path = tmp_path / "a.xml"
+    each = [transducer(k, (0.01 * k, 0, 0)) for k in range(2)]
+    low = number("frequency", 25e3)
+    path.write_text(simulation([one.replace("</object>", f"{low}</object>") for one in each]))
+    assert read_array(path).medium["frequency"] == 25e3
+    path.write_text(simulation([each[0].replace("</object>", f"{low}</object>", 1), each[1]]))
+    with pytest.raises(midair.SceneError, match="transducers of 25000 and of 40000 Hz are in it"):
+        read_array(path)
+    turned = number("phaseCorrection", 1.0)
+    path.write_text(simulation([each[0], each[1].replace("</object>", f"{turned}</object>")]))
+    with pytest.warns(midair.SceneWarning, match="phaseCorrection of 1 transducer of .* is not read"):
+        assert len(read_array(path)) == 2
+
+
 def test_setters_wrapped_around_other_objects(tmp_path: Path) -> None:
     """Checks that midair reads an object that is written inside the call that sets its x:
     Java's XMLEncoder writes an object where it is first used.

@@ -77,6 +77,9 @@ def test_gltf_has_y_up_and_any_file_may_be_turned(tmp_path: Path) -> None:
         mesh = read(tmp_path, "a.stl", box("stl"), up=up)
         assert extent(mesh) == pytest.approx(SIDES[order])
         assert mesh.volume > 0
+    for wrong, shown in ((["y"], r"\['y'\]"), (3, "3"), ("w", '"w"')):
+        with pytest.raises(midair.SceneError, match=f'up is {shown}: give "x", "y" or "z"'):
+            midair.Mesh.from_file(upright, up=wrong)  # type: ignore[arg-type]
     # y becomes z, and z becomes -y.
     data = trimesh.creation.box(SIDES).apply_translation([0, 0.1, 0.2]).export(file_type="stl")
     middle = read(tmp_path, "a.stl", data, up="y").vertices.mean(axis=0)

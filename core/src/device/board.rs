@@ -54,6 +54,8 @@ pub struct Board {
     /// For each drive, the phase that its transducers add by themselves, in turns.
     corrections: Vec<f64>,
     live: Vec<bool>,
+    /// Whether the bytes correct the whole delays, because the array lacks [`Board::response`].
+    whole: bool,
 }
 
 impl Board {
@@ -67,11 +69,12 @@ impl Board {
             .with_channels((0..transducers).map(|i| format.channel(i)).collect())
     }
 
-    /// Returns as many boards of this kind as these channels of N transducers reach.
-    pub(crate) fn on(name: &str, channels: &[usize]) -> Result<Self, Error> {
+    /// Returns as many boards of this kind as these channels reach: of N transducers, or of the channels of an array.
+    pub(crate) fn on(name: &str, channels: &[usize], wiring: Option<&Channels>) -> Result<Self, Error> {
         let format = format(name)?;
         let boards = channels.iter().max().map_or(0, |most| (most / format.channels + 1).min(format.most_boards));
-        Self::of(format, channels.len(), boards)?.with_channels(channels.to_vec())
+        let board = Self::of(format, channels.len(), boards)?;
+        Self { wiring: wiring.cloned(), ..board }.with_channels(channels.to_vec())
     }
 
     /// Returns boards without channels.
@@ -90,6 +93,7 @@ impl Board {
             channels: Vec::new(),
             corrections: vec![0.0; transducers],
             live: vec![true; transducers],
+            whole: false,
         })
     }
 
@@ -160,6 +164,14 @@ impl Board {
             Some(wiring) => (0..wiring.count()).map(|channel| wiring.members(channel).any(|i| live[i])).collect(),
         };
         Ok(self)
+    }
+
+    /// Returns the boards for drives of an array without [`Board::response`]: the bytes correct the whole delays of the
+    /// firmware, to the nearest step. For `false` they correct whole steps, and the drives the rest.
+    #[must_use]
+    pub fn correcting(mut self, whole: bool) -> Self {
+        self.whole = whole;
+        self
     }
 
     /// The name of the kind of board.
@@ -356,8 +368,9 @@ impl Board {
 
     /// The phase in turns that is subtracted from the drive of channel `k`: the delay that its bytes correct.
     fn late(&self, k: usize) -> f64 {
-        let (steps, _) = (self.format.late)(self.channels[k]);
-        self.corrections[k] + f64::from(steps) / f64::from(self.format.steps.phases)
+        let (steps, rest) = (self.format.late)(self.channels[k]);
+        let rest = if self.whole { rest } else { 0.0 };
+        self.corrections[k] + f64::from(steps) / f64::from(self.format.steps.phases) + rest
     }
 
     /// Checks a drive (N,), and returns the drive of each driven channel.

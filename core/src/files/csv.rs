@@ -45,13 +45,14 @@ pub struct Table {
 /// Reads a table: text, or a list of rows in JSON, or an .npy of shape (N, C).
 ///
 /// In text, semicolons, tabs, commas or spaces separate the cells; without commas between them, numbers may have decimal commas.
+/// In JSON a row is a list, or a table of names.
 /// If the first row contains names, they identify the columns; otherwise the number of columns does. A name may have a unit, as
 /// `x (mm)` or `x_mm`; the numbers are converted to SI. Skips empty lines and lines that begin with #, % or //. Ignores columns
 /// with other names.
 ///
 /// # Errors
-/// Text that is not UTF-8, no row; a column that is missing or there twice; a cell that is not a finite number. Each error
-/// names the file and, where there is one, the line.
+/// Text that is neither UTF-8 nor UTF-16, no row; a column that is missing or there twice, an unknown unit, a first column
+/// that counts the rows; a cell that is not a finite number. Each error names the file and, where there is one, the line.
 ///
 /// ```
 /// use midair::files::{Columns, read_table};
@@ -76,18 +77,32 @@ pub fn read_table(bytes: &[u8], name: &str, columns: Columns<'_>) -> Result<Tabl
             .plain(array.numbers.chunks(width).map(<[f64]>::to_vec).collect(), name)
             .ok_or_else(|| none("empty"))?;
     }
-    let Ok(text) = core::str::from_utf8(bytes) else { return Err(none("not text")) };
+    let Some(text) = decoded(bytes) else { return Err(none("not text")) };
     let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n");
     if text.trim_start().starts_with('[') {
-        let rows = json::rows(&text)
-            .map_err(|reason| fault(name, None, unreadable("", &reason, "give [[x, y, z], ...]".into())))?;
+        let wrong = |error| fault(name, None, error);
+        let (names, mut rows) =
+            json::rows(&text).map_err(|reason| wrong(unreadable("", &reason, "give [[x, y, z], ...]".into())))?;
+        if !names.is_empty() {
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let chosen = columns.named(&names).map_err(wrong)?;
+            for (k, row) in rows.iter_mut().enumerate() {
+                if let Some(column) = chosen.iter().find(|column| column.at.is_some_and(|at| !row[at].is_finite())) {
+                    let item = format!("{} of row {k}", column.name);
+                    return Err(wrong(unreadable(&item, "no number", "give a number".into())));
+                }
+                *row = chosen.iter().map(|column| column.at.map_or(f64::NAN, |at| row[at] * column.unit)).collect();
+            }
+            return Ok(Table { lines: (1..=rows.len()).collect(), rows });
+        }
         return columns.plain(rows, name).ok_or_else(|| none("empty"))?;
     }
     let mut table = Table::default();
-    // The chosen columns, found in the first row.
+    // The chosen columns, found in the first row; and the number of names.
     let mut chosen: Option<Vec<Column<'_>>> = None;
+    let mut named = usize::MAX;
     for (index, line) in text.split('\n').enumerate() {
-        if ["#", "%", "//"].iter().any(|mark| line.trim_start().starts_with(mark)) {
+        if ["#", "%", "//"].iter().any(|mark| line.trim_start().starts_with(mark)) || is_separator(index, line) {
             continue;
         }
         let refused = |mut error: Error| {
@@ -105,8 +120,13 @@ pub fn read_table(bytes: &[u8], name: &str, columns: Columns<'_>) -> Result<Tabl
             let choice = if header { columns.named(&cells) } else { columns.counted(cells.len()) };
             chosen = Some(choice.map_err(refused)?);
             if header {
+                named = cells.len();
                 continue;
             }
+        }
+        if cells.len() > named {
+            let value = format!("{} cells under {named} names", cells.len());
+            return Err(refused(unreadable("", &value, "name each column".into())));
         }
         let number = |column: &Column<'_>| {
             let Some(at) = column.at else { return Ok(f64::NAN) };
@@ -121,7 +141,29 @@ pub fn read_table(bytes: &[u8], name: &str, columns: Columns<'_>) -> Result<Tabl
     if table.rows.is_empty() {
         return Err(none("empty"));
     }
+    if named == usize::MAX {
+        columns.check_first(&table.rows, name)?;
+    }
     Ok(table)
+}
+
+/// The text of a file in UTF-8, or in UTF-16 with a byte order mark, as Excel writes it.
+fn decoded(bytes: &[u8]) -> Option<String> {
+    let of = |rest: &[u8], unit: fn([u8; 2]) -> u16| {
+        let (pairs, odd) = rest.as_chunks();
+        let text = char::decode_utf16(pairs.iter().map(|&pair| unit(pair))).collect::<Result<_, _>>().ok();
+        text.filter(|_| odd.is_empty())
+    };
+    match bytes {
+        [0xff, 0xfe, rest @ ..] => of(rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => of(rest, u16::from_be_bytes),
+        _ => core::str::from_utf8(bytes).ok().map(ToString::to_string),
+    }
+}
+
+/// Whether a line is the first of a file and names its separator, as Excel writes it: sep=;
+fn is_separator(index: usize, line: &str) -> bool {
+    index == 0 && line.trim_matches(['\u{feff}', '"', ' ']).to_ascii_lowercase().starts_with("sep=")
 }
 
 /// A column that is read: its name, its index in the file if it is there, and its unit in SI.
@@ -149,12 +191,25 @@ impl<'a> Columns<'a> {
             return Some(Err(fault(name, None, error)));
         }
         let chosen = self.counted(count).map_err(|error| fault(name, None, error));
+        let chosen = chosen.and_then(|chosen| self.check_first(&rows, name).map(|()| chosen));
         Some(chosen.map(|chosen| {
             for row in &mut rows {
                 row.resize(chosen.len(), f64::NAN);
             }
             Table { lines: (1..=rows.len()).collect(), rows }
         }))
+    }
+
+    /// Checks that the first column of a table without names is x, and does not count the rows, as that of pandas does.
+    fn check_first(&self, rows: &[Vec<f64>], name: &str) -> Result<(), Error> {
+        let counts = |first: usize| rows.iter().enumerate().all(|(k, row)| row[0] == (first + k) as f64);
+        let count = rows[0].iter().filter(|x| !x.is_nan()).count();
+        let spare = self.choices[0].first() == Some(&"x") && self.counted(count - 1).is_ok();
+        if spare && rows.len() > 1 && (counts(0) || counts(1)) {
+            let cure = format!("name the columns {}, or leave it out", self.or());
+            return Err(fault(name, None, unreadable("", "a table whose first column counts the rows", cure)));
+        }
+        Ok(())
     }
 
     /// The columns of a table without names, by their number.
@@ -171,7 +226,10 @@ impl<'a> Columns<'a> {
     fn named(&self, cells: &[&str]) -> Result<Vec<Column<'a>>, Error> {
         let places = |name: &str| {
             let each = cells.iter().enumerate();
-            each.filter_map(|(at, cell)| Some((at, unit(cell, name)?))).collect::<Vec<_>>()
+            let all: Vec<_> = each.filter_map(|(at, cell)| Some((at, unit(cell, name)?))).collect();
+            // Beside x, a column such as x_error is another one.
+            let known = all.iter().any(|(_, unit)| unit.is_ok());
+            all.into_iter().filter(|(_, unit)| unit.is_ok() || !known).collect::<Vec<_>>()
         };
         // Whether the first row contains a name that no shorter list of names has. Lists are tried from the longest
         // down.
@@ -220,10 +278,7 @@ fn unit(cell: &str, name: &str) -> Option<Result<f64, ()>> {
         return Some(Ok(1.0));
     }
     let mut units = UNITS.iter().filter(|(names, _)| names.contains(&name)).flat_map(|(_, units)| *units);
-    match units.find(|(unit, _)| *unit == bare) {
-        Some((_, size)) => Some(Ok(*size)),
-        None => rest.contains(['(', '[']).then_some(Err(())),
-    }
+    Some(units.find(|(unit, _)| *unit == bare).map(|(_, size)| *size).ok_or(()))
 }
 
 /// Reads a number, which may have a decimal comma.

@@ -42,12 +42,19 @@ pub(super) fn read(text: &str) -> Result<Node, Flaw> {
     })
 }
 
-/// Parses a list of lists of numbers; else the reason.
-pub(super) fn rows(text: &str) -> Result<Vec<Vec<f64>>, String> {
+/// Parses a list of rows of numbers: lists without names, or tables of the names of the first; else the reason. A value that
+/// is no number is NaN.
+pub(super) fn rows(text: &str) -> Result<(Vec<String>, Vec<Vec<f64>>), String> {
     let node = read(text).map_err(|flaw| flaw.to_string())?;
     let Node::List(list) = &node else { return Err("no list of rows".into()) };
-    let rows = list.iter().map(|row| row.reals().map(Cow::into_owned));
-    rows.collect::<Option<_>>().ok_or_else(|| "no list of rows of numbers".into())
+    let Some(Node::Table(first)) = list.first() else {
+        let rows = list.iter().map(|row| row.reals().map(Cow::into_owned)).collect::<Option<_>>();
+        return Ok((Vec::new(), rows.ok_or("no list of rows of numbers")?));
+    };
+    let names: Vec<String> = first.iter().map(|(key, _)| key.clone()).collect();
+    let number = |row: &Node, name: &String| row.get(name).and_then(Node::real).unwrap_or(f64::NAN);
+    let rows = list.iter().map(|row| names.iter().map(|name| number(row, name)).collect()).collect();
+    Ok((names, rows))
 }
 
 /// Follows the keys and indices `steps` into a text that has been parsed. Stops at the first one that does not exist.

@@ -26,7 +26,7 @@ impl Flaw {
 
     /// The error for a document that exceeds the depth limit of a parser.
     pub(super) fn nested(at: impl Into<Option<usize>>) -> Self {
-        Self::new(at, "nested too deep: a scene file needs four levels of brackets at most")
+        Self::new(at, "nested too deep: give at most four levels of brackets")
     }
 
     pub(super) fn too_large(at: impl Into<Option<usize>>) -> Self {

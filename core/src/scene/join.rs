@@ -31,7 +31,7 @@ impl Array {
         for (k, part) in parts.iter().enumerate().skip(1) {
             let differs = |what: &str| {
                 let cure = "give arrays of one frequency, quantization and transducer, all with pins or none";
-                Err(Error::conflict(format!("arrays[{k}]"), format!("of another {what} than arrays[0]"), cure))
+                Err(Error::conflict(format!("arrays[{k}]"), format!("of another {what} than the first"), cure))
             };
             match part {
                 _ if part.hardware() != first.hardware() => return differs("frequency or air"),
@@ -40,6 +40,15 @@ impl Array {
                 _ if part.pins().is_some() != first.pins().is_some() => return differs("wiring"),
                 _ => {}
             }
+        }
+        let pins_of =
+            |(k, part): (usize, &Self)| part.pins().unwrap_or_default().iter().map(|&pin| (pin, k)).collect::<Vec<_>>();
+        let mut owners: Vec<_> = parts.iter().enumerate().flat_map(pins_of).collect();
+        owners.sort_unstable();
+        if let Some(pair) = owners.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            let [(pin, _), (_, k)] = [pair[0], pair[1]];
+            let cure = "those of a second board follow those of the first";
+            return Err(Error::conflict(format!("arrays[{k}]"), format!("on pin {pin}, as another transducer"), cure));
         }
         let all = |list: fn(&Self) -> &[[f64; 3]]| parts.iter().flat_map(list).copied().collect();
         let effects =

@@ -8,7 +8,7 @@ use alloc::string::{String, ToString};
 use alloc::vec;
 use alloc::vec::Vec;
 
-use crate::device::board;
+use crate::device::board::{self, Board};
 use crate::device::format::{Format, Layout};
 use crate::error::{Error, ErrorCode, Notice};
 use crate::scene::array::Array;
@@ -126,6 +126,25 @@ fn known(format: &Format) -> Result<Vec<Sites>, Error> {
     Ok(arrays.iter().map(sites).collect())
 }
 
+/// Whether an array consists of two and more boards of a kind of fixed places, to 0.5 mm, board after board.
+pub(super) fn is_of_boards(array: &Array) -> bool {
+    Board::names().any(|kind| {
+        let Ok(format) = board::format(kind) else { return false };
+        let (size, fixed) = (format.channels, matches!(format.layout, Layout::Preset(_)));
+        if !fixed || array.len() == size || !array.len().is_multiple_of(size) {
+            return false;
+        }
+        let order: Vec<_> = (0..size).map(|i| format.channel(i)).collect();
+        let theirs = known(format).unwrap_or_default();
+        let is_board = |members: &Vec<usize>| {
+            let mine = Sites::of(array.positions(), array.normals(), members);
+            let fits = |one: &Sites| mine.misfit(&Sites::of(&one.places, &one.normals, &order), SAME).is_none();
+            theirs.iter().any(fits)
+        };
+        boards(&(0..array.len()).collect::<Vec<_>>(), size).iter().all(is_board)
+    })
+}
+
 /// The transducers of each board, for boards of `size` channels.
 fn boards(channels: &[usize], size: usize) -> Vec<Vec<usize>> {
     let mut members = vec![Vec::new(); channels.iter().max().map_or(0, |most| most / size + 1)];
@@ -158,6 +177,7 @@ impl Array {
     /// ```
     pub fn channels_by_place(&self, kind: &str) -> Result<Vec<usize>, Error> {
         let format = board::format(kind)?;
+        Board::new(kind, self.len())?;
         self.by_place(format, &(0..self.len()).map(|i| format.channel(i)).collect::<Vec<_>>())
     }
 

@@ -15,6 +15,7 @@ use crate::scene::geometry::distance;
 use crate::scene::medium::Medium;
 use crate::scene::neighbours::Neighbours;
 use crate::scene::obstacle::Obstacle;
+use crate::scene::order::is_of_boards;
 use crate::scene::origin::Origin;
 use crate::scene::plane::Plane;
 use crate::scene::request::Request;
@@ -115,7 +116,7 @@ impl Array {
             let cure = in_unit(pressure, "Pa m", &[("mPa m", 1e-3), ("kPa m", 1e3)], &(0.1..=20.0));
             doubts.push(doubt("array.source_pressure", format!("{} Pa m", short(pressure)), cure));
         }
-        doubts.extend(extent(self, medium));
+        doubts.extend(extent(self, medium).or_else(|| by_hand(self, medium)));
         doubts
     }
 
@@ -202,6 +203,14 @@ fn extent(array: &Array, medium: Medium) -> Option<Notice> {
         }
     }
     array.doubt()
+}
+
+/// Returns the probable mistake of boards put together by their places alone, which have lost the air of the hardware.
+fn by_hand(array: &Array, medium: Medium) -> Option<Notice> {
+    (array.hardware().is_none() && medium == Medium::default() && is_of_boards(array)).then(|| {
+        let value = format!("those of boards, in a medium of {} m/s", short(medium.sound_speed));
+        doubt("array.positions", value, "join arrays by Array.join, or give the air (temperature = 25)").verb("are")
+    })
 }
 
 /// Returns the probable mistake of a diameter given as the radius: every piston overlaps a neighbour.

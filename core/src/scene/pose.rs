@@ -2,6 +2,7 @@
 
 use alloc::format;
 use alloc::vec::Vec;
+use core::f64::consts::PI;
 
 use crate::error::Error;
 use crate::linalg::symmetric::eigen;
@@ -37,7 +38,8 @@ impl Pose {
     /// 4: a quaternion w, x, y, z of any length; or 9: a matrix, row by row. Without numbers nothing is rotated.
     ///
     /// # Errors
-    /// Another number of numbers, one that is not finite, a matrix that is no rotation, a quaternion of length 0.
+    /// Another number of numbers, one that is not finite, an angle above 2 pi, as one in degrees is, a matrix that is no
+    /// rotation, a quaternion of length 0.
     pub fn new(rotation: &[f64], translation: [f64; 3]) -> Result<Self, Error> {
         vector("translation", &translation)?;
         if let Some(x) = rotation.iter().find(|x| !x.is_finite()) {
@@ -47,6 +49,11 @@ impl Pose {
             [] => Self::NONE.rows,
             [x, y, z] => {
                 let half = 0.5 * Vec3([x, y, z]).norm();
+                if half > PI + ROUNDING {
+                    let (degrees, radians) = (2.0 * half, 2.0 * half / 180.0 * PI);
+                    let cure = format!("give at most 2 pi rad ({degrees:.1} degrees are {radians:.4} rad)");
+                    return Err(Error::out_of_range("rotation", format!("{rotation:?}"), cure));
+                }
                 let part = if half > 0.0 { 0.5 * math::sin(half) / half } else { 0.0 };
                 of_quaternion([math::cos(half), part * x, part * y, part * z])
             }

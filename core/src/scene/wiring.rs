@@ -8,7 +8,7 @@ use num_complex::Complex64;
 use crate::device::board::{self, Board};
 use crate::device::channels::Channels;
 use crate::device::format::Layout;
-use crate::error::Error;
+use crate::error::{Error, one_each};
 use crate::scene::array::Array;
 
 impl Array {
@@ -32,7 +32,7 @@ impl Array {
 
     /// Returns boards of this kind for the array, which stands in the order of the boards, or states its pins. Each transducer
     /// has its own channel, unless the array has channels. Masked and dead transducers are off. A channel is off if all its
-    /// transducers are off.
+    /// transducers are off. For an array without responses, the bytes correct the delays of the firmware.
     ///
     /// # Errors
     /// An unknown name, more transducers or channels than the boards have, another order or other places than those of the
@@ -63,7 +63,7 @@ impl Array {
                 Board::wired(kind, channels)?
             }
             (None, Some(pins)) => {
-                let board = Board::on(kind, pins)?;
+                let board = Board::on(kind, pins, None)?;
                 if let Layout::Preset(_) = format.layout {
                     self.check_order(format, pins)?;
                 }
@@ -75,7 +75,7 @@ impl Array {
                 board
             }
         };
-        board.with_live(self.live())
+        board.correcting(self.response().is_none()).with_live(self.live())
     }
 
     /// Returns boards of this kind with the channel of each transducer (N,), or of each channel of the array (C,), whatever
@@ -84,8 +84,11 @@ impl Array {
     /// # Errors
     /// An unknown name, more transducers or channels than the boards have, the errors of [`Board::with_channels`].
     pub fn board_on(&self, kind: &str, channels: Vec<usize>) -> Result<Board, Error> {
-        let board = self.wiring().map_or_else(|| Board::new(kind, self.len()), |wired| Board::wired(kind, wired))?;
-        board.with_channels(channels)?.with_live(self.live())
+        let (count, owners) =
+            self.wiring().map_or((self.len(), "transducers"), |wired| (wired.count(), "channels of the array"));
+        one_each("channels", channels.len(), "of them", count, owners)?;
+        let board = Board::on(kind, &channels, self.wiring())?;
+        board.correcting(self.response().is_none()).with_live(self.live())
     }
 
     /// Whether each transducer emits (N,).

@@ -1,6 +1,8 @@
 //! Tests of the order of transducers on boards: random orders, places, motions and pins against every kind of board.
 
-use midair::{Array, Board, ErrorCode, Pose, Rng, presets::PRESETS};
+use core::f32::consts::TAU;
+
+use midair::{Array, Board, Complex32, ErrorCode, Pose, Rng, presets::PRESETS};
 
 fn shuffled(rng: &mut Rng, count: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..count).collect();
@@ -158,4 +160,39 @@ fn pins_are_the_channels_of_boards_that_owners_wire() {
     assert!(
         both.board("mega64").err().expect("refused").to_string().starts_with("array.pins is given with array.channels")
     );
+}
+
+#[test]
+fn bytes_correct_the_delays_that_an_array_lacks() {
+    let mut rng = Rng::new(7);
+    let surface = Array::preset("sonicsurface", [1, 1]).expect("a board");
+    let up = Pose::new(&[0.0, core::f64::consts::PI, 0.0], [0.0, 0.0, 0.243]).expect("a pose");
+    let pair = Array::join(&[surface.clone(), surface.moved(&up).expect("moved")]).expect("a pair");
+    let flat = Array::preset("ultraino_flat8x8", [1, 1]).expect("a board");
+    let pins = shuffled(&mut rng, 64);
+    let wired = Array::new(flat.positions().to_vec(), None).and_then(|array| array.with_pins(Some(pins.clone())));
+    let delays = |name| Array::preset(name, [1, 1]).expect(name).response().expect("delays").to_vec();
+    let flat_delays = delays("ultraino_flat8x8");
+    let cases = [
+        ("sonicsurface", pair, 32.0, delays("sonicsurface_pair")),
+        ("mega64", Array::new(flat.positions().to_vec(), None).expect("an array"), 10.0, flat_delays.clone()),
+        ("mega64", wired.expect("pins"), 10.0, pins.iter().map(|&pin| flat_delays[pin]).collect()),
+    ];
+    for (kind, array, steps, delays) in cases {
+        let board = array.board_on(kind, (0..array.len()).map(|i| array.pins().map_or(i, |pins| pins[i])).collect());
+        let board = if array.pins().is_some() { board } else { array.board(kind) }.expect(kind);
+        let drive: Vec<_> = delays.iter().map(|_| Complex32::from_polar(1.0, TAU * rng.uniform() as f32)).collect();
+        let (mut frame, mut codes) = (vec![0; board.frame_size()], drive.clone());
+        board.encode(&drive, &mut frame).expect("a frame");
+        // Without corrections, a board's codes are what its bytes play before the delays of the firmware.
+        board.clone().correcting(false).decode(&frame, &mut codes).expect("the frame");
+        for (i, (&code, &wanted)) in codes.iter().zip(&drive).enumerate() {
+            let delay = Complex32::new(delays[i].re as f32, delays[i].im as f32);
+            let off = (code * delay / wanted).arg().abs();
+            assert!(off < TAU / (2.0 * steps) + 1e-4, "{kind}: transducer {i} is {off} rad off");
+        }
+        let mut played = drive.clone();
+        board.decode(&frame, &mut played).expect("the frame");
+        assert!((played[3] / codes[3] - Complex32::new(delays[3].re as f32, delays[3].im as f32)).norm() < 1e-5);
+    }
 }

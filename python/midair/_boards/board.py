@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from os import PathLike, fspath
 from typing import Any
@@ -177,10 +177,21 @@ class Board:
             for transducers at other places or in another order.
         """
         if isinstance(drive, Solution):
-            if drive.scene is not None:
-                self.array._check_drive_of(drive.scene.array)
-            drive = drive.drive
+            drive = drive.drive if drive.scene is None else self._fit(drive.scene.array)(drive.drive)
         return self._codec.encode(drive)
+
+    def _fit(self, array: Array) -> Callable[[NDArray[Any]], NDArray[Any]]:
+        """Return the function that makes a drive of an array one of `self.array`.
+
+        If the array lacks the response of the board, its phases are subtracted. Raises SceneError for another
+        array.
+        """
+        self.array._check_drive_of(array)
+        own = self.array.response
+        if own is None or array.response is not None:
+            return lambda drive: drive
+        turn = np.exp(-1j * np.angle(own))
+        return lambda drive: drive * turn
 
     def _warn_of_silence(self, drive: ArrayLike | Solution, frame: bytes) -> None:
         """Warn if a frame turns all transducers off although its drive does not."""

@@ -79,8 +79,8 @@ def refuse_real(drive: Any) -> None:
 def given_drives(board: Board, given: Any) -> Iterator[ArrayLike | Solution]:
     """Yield the drives of a stream: of a sequence, an array (T, N) or any iterable. Rejects other values."""
     if isinstance(given, Sequence):
-        board.array._check_drive_of(given.array)
-        return (given.drive(frame) for frame in range(len(given)))
+        fit = board._fit(given.array)
+        return (fit(given.drive(frame)) for frame in range(len(given)))
     if is_array(given):
         count = len(board.array)
         given = numbers("drives", given, [(-1, count)], f"give (T, {count})", kinds="iufc", copy=False)

@@ -25,9 +25,10 @@ def write(path: Path, drives: Played, board: Board | None) -> None:
         raise stated("board", "is left out, and .bin holds the frames of one", CURE, code="missing")
     largest: NDArray[Any] = np.zeros(1)
     off = True
+    fit = board._fit(drives.array or board.array)
     with path.open("wb") as stream:
         for drive in drives:
-            frame = board.encode(drive.astype(np.complex64))
+            frame = board.encode(fit(drive).astype(np.complex64))
             largest = max(largest, drive, key=lambda drive: float(np.abs(drive).max()))
             off = off and frame == board.off_frame
             stream.write(frame)

@@ -18,7 +18,7 @@ from .._midair import Array, SceneError, Solution, array_parts, drive_from_csv, 
 from .._sequence import Sequence
 from .._support.arguments import path_of, refused
 from .._support.tables import ARRAYS, TEXTS, table
-from .._support.text import content, fault, number, rows, text, unpacked
+from .._support.text import cells, content, fault, number, text, unpacked
 from . import acoustools, autd3, control_points, handybeam, played as board_frames, record, ultraino, xml
 from .control_points import ControlPoints
 from .played import known
@@ -103,10 +103,12 @@ def read(
 
 def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64] | ControlPoints:
     data = content(path)
-    line, head = next(rows(text(path, data)), (0, [""]))
+    each = enumerate(text(path, data).splitlines(), 1)
+    line, first = next(((line, row) for line, row in each if row.strip() and not PASSED.match(row)), (0, ""))
     if not line:
         raise fault(path, None, "no row is in it", CSV)
-    names = {name.lower() for name in head}
+    head = cells(first)
+    names = set(re.findall("[a-z]+", first.lower()))
     if names >= {"amplitude", "phase"}:
         return drive_from_csv(data, f'file "{path}"')
     if "intensity" in names:
@@ -120,11 +122,15 @@ def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64
         return ultraino.read_pair(*both)
     if counted:
         return acoustools.read(path, data, array)
-    if names >= {"x", "y", "z"}:
+    if names >= {"x", "y", "z"} or (len(values) in (3, 6) and None not in values):
         raise fault(path, line, "it holds transducers", "read them by midair.Array.from_file")
     raise fault(path, line, f'"{",".join(head)[:60]}" begins no table of drives', CSV)
 
 
+#: Lines that tables pass over: comments, and the separator that Excel names.
+PASSED = re.compile(r'\s*(#|%|//|"?sep=)', re.IGNORECASE)
+#: JSON of a table: a list of lists, or of objects with x.
+LISTED = re.compile(rb'\s*\[\s*(?:[\[\d.+-]|\{[^{}]*"[xX][" (\[_/])')
 #: Largest size in bytes of a file of an array; the largest known one, Ultraino's, unpacks to 5 MB.
 MOST_BYTES = 64 << 20
 
@@ -175,8 +181,8 @@ def read_array(path: str | PathLike[str], **parts: Unpack[_Parts]) -> Array:
         made = Array(found.positions, found.normals, **{**own, **given})
     except SceneError as error:
         raise fault(path, None, error) from error
-    # Formats with a directivity describe real boards, whose frequency is 40 kHz.
-    return made._with_hardware(None if found.directivity is None else 40e3)
+    # Formats with a directivity describe real boards.
+    return made._with_hardware(None if found.directivity is None else found.frequency)
 
 
 def array_of(keys: str, folder: Path | None) -> Array:
@@ -195,7 +201,7 @@ def _layout(path: str | PathLike[str]) -> Layout:
     if ending.endswith((".xml.gz", ".xml")):
         root = _xml(path)
         return ultraino.read(path, root) if root.name == "java" else handybeam.read(path, root)
-    listed = ending.endswith(".json") and re.match(rb"\s*\[\s*[\[\d.+-]", content(path, empty=True))
+    listed = ending.endswith(".json") and LISTED.match(content(path, empty=True))
     if ending.endswith(".json") and not listed:
         return autd3.read(path)
     if listed or ending.endswith((*TEXTS, *ARRAYS)):

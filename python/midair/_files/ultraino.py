@@ -3,9 +3,9 @@
 An array (arrays/) is a Java object of class Simulation, written by XMLEncoder. Its y axis points up: a flat
 array lies in y = 0 and faces +y. In midair it lies in z = 0 and faces +z, so (x, y, z) becomes (x, -z, y),
 also for normals. A transducer has the width `apperture`, the directivity sin(x)/x (CalcField.java) and
-`power`, its pressure times distance at full drive in Pa m. `driverPinNumber` is its channel on the driver
-board. Its drive is `amplitude` (or `pAmplitude`) and `phase`, in rad over pi. Phase corrections belong to the
-board and are not read.
+`power`, its pressure times distance at full drive in Pa m, at `frequency`. `driverPinNumber` is its channel
+on the driver board. Its drive is `amplitude` (or `pAmplitude`) and `phase`, in rad over pi. Phase corrections
+belong to the board and are not read, with a warning.
 
 A pair of .csv (ImportAnimationForm.java) has phases in rad in one file and amplitudes from 0 to 1 in the
 other. There is no header. A row is a frame, a column a transducer, in the order of their numbers. Ultraino
@@ -22,11 +22,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._boards.layout import Layout, turned
+from .._boards.layout import Layout
 from .._midair import stated
 from .._sequence.files import whole
 from .._support.arguments import warn
-from .._support.text import fault, numbers, rows, text
+from .._support.text import counted, fault, numbers, rows, text
 from .played import Played, one_or_more
 from .xml import Bean, Decoder, Element
 
@@ -77,23 +77,37 @@ def read(path: str | PathLike[str], root: Element) -> Layout:
     for bean, rotation in zip(found, rotations, strict=True):
         if not 1e-6 < np.linalg.norm(rotation) < 1e6:
             raise fault(path, bean.line, f"rot is {rotation.tolist()}", "give a quaternion of length 1")
+    # Transducers radiate to +y, which the quaternions rotate.
+    w, x, y, z = (rotations / np.linalg.norm(rotations, axis=1, keepdims=True)).T
     power = np.array([_number(path, bean, "power", POWER) for bean in found])
     for bean, one in zip(found, power, strict=True):
         if one < 0:
             raise fault(path, bean.line, f"power is {one:g}", "give Pa m, at least 0")
-    width = sorted({_number(path, bean, "apperture", WIDTH) for bean in found})
-    if len(width) > 1:
-        reported = f"transducers of {width[0]:g} and of {width[-1]:g} m"
-        raise fault(path, None, f"{reported} are in it", "take all of one width into a file")
+    width = _common(path, found, "apperture", WIDTH, "m")
+    corrected = sum(_number(path, bean, "phaseCorrection", 0.0) != 0 for bean in found)
+    if corrected:
+        reported = f"phaseCorrection of {counted(corrected, 'transducer')} of {path} is not read"
+        cure = "for boards other than a second SonicSurface give -pi times it as corrections= of Board"
+        warn(f"{reported}: {cure}")
     largest = power.max() or POWER
     return Layout(
         _upright(positions),
-        _upright(turned(rotations, [0.0, 1.0, 0.0])),
+        _upright(np.stack([2 * (x * y - w * z), 1 - 2 * (x**2 + z**2), 2 * (y * z + w * x)], axis=1)),
         source_pressure=float(largest),
-        directivity={"sinc": width[0]},
+        directivity={"sinc": width},
         response=None if (power == largest).all() else power / largest,
         pins=_pins(path, found),
+        frequency=_common(path, found, "frequency", 40e3, "Hz"),
     )
+
+
+def _common(path: str | PathLike[str], beans: list[Bean], name: str, default: float, unit: str) -> float:
+    """Return the number that all transducers have."""
+    found = sorted({_number(path, bean, name, default) for bean in beans})
+    if len(found) > 1:
+        reported = f"transducers of {found[0]:g} and of {found[-1]:g} {unit} are in it"
+        raise fault(path, None, reported, f"take all of one {name} into a file")
+    return found[0]
 
 
 def _pins(path: str | PathLike[str], transducers: list[Bean]) -> NDArray[np.int64] | None:

@@ -163,10 +163,10 @@ class Calibration:
         )
 
     def __repr__(self) -> str:
-        alive = np.delete(self.gain, self.dead)
+        gain, error = (np.delete(each, self.dead).mean() for each in (self.gain, self.gain_error))
         parts = [
             f"{len(self.response)} transducers",
-            f"gain {alive.mean():.3g} +- {alive.std():.2g}",
+            f"gain {gain:.3g} +- {error:.2g}",
             f"{len(self.dead)} dead",
             f"{len(self.reversed)} reversed",
             f"{self.sound_speed:.2f} +- {self.sound_speed_error:.2g} m/s",

@@ -137,9 +137,10 @@ def _size(count: int) -> str:
 
 
 def text(path: str | PathLike[str], found: bytes | None = None) -> str:
-    """Return the text of a file in UTF-8."""
+    """Return the text of a file in UTF-8, or in UTF-16 with a byte order mark, as Excel writes it."""
+    data = content(path) if found is None else found
     try:
-        return (content(path) if found is None else found).decode("utf-8-sig")
+        return data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
     except UnicodeDecodeError as error:
         raise fault(path, None, "it is no text", "give a text file in UTF-8") from error
 

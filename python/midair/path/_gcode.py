@@ -63,13 +63,19 @@ def gcode(
     >>> midair.path.gcode(program, frequency=5)
     Path(points=1, duration=0.2, closed=True)
     """
-    program = path if isinstance(path, str) and "\n" in path else text(path_of("path", path))
-    places = _places(program) + vector("origin", origin)
+    places = _places(program(path)[1]) + vector("origin", origin)
     closed = len(places) > 2 and bool(np.allclose(places[0], places[-1], atol=1e-9, rtol=0))
     return polyline(
         places[:-1] if closed else places,
         speed=speed, frequency=frequency, closed=closed, pressures=pressures,
     )  # fmt: skip
+
+
+def program(path: str | PathLike[str]) -> tuple[str, str]:
+    """Return the name and the text of a program: of a file, or itself if it has several lines."""
+    if isinstance(path, str) and "\n" in path:
+        return "text", path
+    return str(path_of("path", path)), text(path)
 
 
 def _places(program: str) -> NDArray[np.float64]:

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._midair import Path, stated
-from .._support.arguments import number, path_of, vector
-from .._support.text import fault, numbers, text
+from .._support.arguments import number, vector
+from .._support.text import fault, numbers
 from ._frames import from_array
+from ._gcode import program
 
 #: Commands that do not change where points are: droplets, light, solvers, boards, layers and reflectors.
 NEUTRAL = {"C0", "C1", "C2", "C5", "C6", "C7", "C8", "C9", "C10", "C12", "C13", "O0"}
@@ -67,12 +68,11 @@ def lcode(
     >>> midair.path.lcode(program)
     Path(points=1, duration=0.01, closed=False)
     """
-    inline = isinstance(path, str) and "\n" in path
-    name = "L-code text" if inline else path_of("path", path)
+    name, written = program(path)
     frames: list[Any] = []
     holds: list[float] = []
     kinds, every, off = set(), 0.0, False
-    for line, row in enumerate((str(path) if inline else text(name)).splitlines(), 1):
+    for line, row in enumerate(written.splitlines(), 1):
         code, *groups = re.sub(r"#.*|;.*", "", row).strip().split(":")
         if not code or code in NEUTRAL:
             continue
