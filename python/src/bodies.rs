@@ -3,12 +3,12 @@
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-use midair::{Obstacle, OptionValue, Surface, Value};
+use midair::{Obstacle, Surface};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
-use crate::error::{invalid, refused};
-use crate::mesh::Mesh;
+use crate::error::invalid;
+use crate::mesh::{Mesh, surface};
 use crate::numbers::quoted;
 use crate::pickle::{Reduced, restored};
 use crate::read;
@@ -207,11 +207,6 @@ pub(crate) fn bodies(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         classes.set_item(name, parts.into_py_dict(py)?)?;
     }
     Ok(classes)
-}
-
-/// Reads the boundary condition of a surface by its name.
-pub(crate) fn surface(item: &str, kind: &str) -> PyResult<Surface> {
-    Surface::read(item, &Value::Text(kind.into())).map_err(refused)
 }
 
 /// Reads a list of obstacles; None is an empty list.

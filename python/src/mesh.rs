@@ -3,12 +3,11 @@
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-use midair::{Complex32, Model, Obstacle};
+use midair::{Complex32, Model, Obstacle, OptionValue, Surface, Value};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::bodies::surface;
 use crate::ctrl_c::attend;
 use crate::error::refused;
 use crate::getters::getters;
@@ -236,4 +235,9 @@ pub(crate) fn behind(py: Python<'_>, model: &Model, obstacles: &[Obstacle]) -> P
     let sound = toolbox::call(py, "sound", (handle,))?;
     let sound: PyReadonlyArray2<'_, Complex32> = sound.extract()?;
     model.clone().with_sound(boundary, sound.as_slice()?).map_err(refused)
+}
+
+/// Reads the boundary condition of a surface by its name.
+pub(crate) fn surface(item: &str, kind: &str) -> PyResult<Surface> {
+    Surface::read(item, &Value::Text(kind.into())).map_err(refused)
 }
