@@ -70,11 +70,11 @@ impl Board {
     }
 
     /// Returns as many boards of this kind as these channels reach: of N transducers, or of the channels of an array.
-    pub(crate) fn on(name: &str, channels: &[usize], wiring: Option<&Channels>) -> Result<Self, Error> {
+    pub(crate) fn on(name: &str, channels: Vec<usize>, wiring: Option<&Channels>) -> Result<Self, Error> {
         let format = format(name)?;
         let boards = channels.iter().max().map_or(0, |most| (most / format.channels + 1).min(format.most_boards));
         let board = Self::of(format, channels.len(), boards)?;
-        Self { wiring: wiring.cloned(), ..board }.with_channels(channels.to_vec())
+        Self { wiring: wiring.cloned(), ..board }.with_channels(channels)
     }
 
     /// Returns boards without channels.

@@ -63,7 +63,7 @@ impl Array {
                 Board::wired(kind, channels)?
             }
             (None, Some(pins)) => {
-                let board = Board::on(kind, pins, None)?;
+                let board = Board::on(kind, pins.to_vec(), None)?;
                 if let Layout::Preset(_) = format.layout {
                     self.check_order(format, pins)?;
                 }
@@ -87,7 +87,7 @@ impl Array {
         let (count, owners) =
             self.wiring().map_or((self.len(), "transducers"), |wired| (wired.count(), "channels of the array"));
         one_each("channels", channels.len(), "of them", count, owners)?;
-        let board = Board::on(kind, &channels, self.wiring())?;
+        let board = Board::on(kind, channels, self.wiring())?;
         board.correcting(self.response().is_none()).with_live(self.live())
     }
 
