@@ -228,10 +228,15 @@ def assigned(toolbox: str, name: str) -> ast.Dict:
 
 
 def package(toolbox: str) -> Iterator[str]:
-    """Yields the lines of the package's stub: its public names, which are loaded at their first use."""
+    """Yields the lines of the package's stub: its public names, which are loaded at their first use.
+
+    The package's own modules import it: mypy reads such a circle in a good order only if these imports stand
+    under TYPE_CHECKING.
+    """
+    yield "from typing import TYPE_CHECKING\n\nif TYPE_CHECKING:\n"
     for home, names in ast.literal_eval(assigned(toolbox, "HOMES")).items():
         listed = ", ".join(f"{name} as {name}" for name in names.split() or [home])
-        yield f"from .{home if names else ''} import {listed}\n"
+        yield f"    from .{home if names else ''} import {listed}\n"
     yield "\n__version__: str\n"
 
 

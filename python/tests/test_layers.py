@@ -234,7 +234,8 @@ def test_public_modules_show_public_names_only(name: str) -> None:
 
 def test_names_that_are_loaded_later_are_those_that_type_checkers_see() -> None:
     stub = ast.parse(PACKAGE.joinpath("__init__.pyi").read_text(encoding="utf-8"))
-    seen = {alias.asname for node in stub.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+    imports = [node for node in ast.walk(stub) if isinstance(node, ast.ImportFrom) and node.level]
+    seen = {alias.asname for node in imports for alias in node.names}
     assert seen | {"__version__"} == set(midair.__all__) | {"__version__"}
 
 

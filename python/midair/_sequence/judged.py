@@ -195,7 +195,8 @@ class JudgedFrames(Frames):
     @property
     def rms(self) -> NDArray[np.float64]:
         """Peak pressure (M,) in Pa of a constant sound that has the mean |p|^2 of the frames."""
-        return np.sqrt((self.pressures**2).mean(axis=0))
+        mean_square: NDArray[np.float64] = (self.pressures**2).mean(axis=0)
+        return np.sqrt(mean_square)
 
     @property
     def radiation(self) -> NDArray[np.float64]:
