@@ -27,12 +27,13 @@ class Field:
         return (self.air.source * np.exp(2j * np.pi / traps.WAVELENGTH * r) / r) @ self.drive
 
     def hessian(self, points: Real) -> Real:
-        """Second derivatives (M, 3, 3) of Gor'kov's potential, by differences of the force."""
+        """The stiffness (M, 3, 3), by differences of the force."""
 
         def force(at: Real) -> Real:
             return self.air.force(self.drive, at.reshape(-1, 3)).reshape(at.shape)
 
-        return -traps.along(force, points)
+        slope = traps.along(force, points)
+        return -(slope + slope.swapaxes(1, 2)) / 2
 
     def softest(self, points: Real) -> float:
         """The least stiffness of all in N/m."""
@@ -95,7 +96,8 @@ def test_traps_without_a_pressure_are_what_the_foci_leave() -> None:
     with pytest.warns(midair.SceneWarning, match="missed by"):
         loud = midair.solve(scene, pressures=[0.0, 20000.0, 0.0])
     assert loud.status == "missed"
-    assert abs(loud.pressures[1]) > 0.99 * scene.reach().alone[1]
+    # A focus beyond reach pushes the beads, which the traps answer with some of its pressure.
+    assert abs(loud.pressures[1]) > 0.94 * scene.reach().alone[1]
 
 
 @pytest.mark.slow

@@ -70,12 +70,13 @@ def test_a_wall_is_the_sum_of_images(kind: Any, sign: float) -> None:
     assert np.abs(found.pressure.ravel() - expected).max() < 1e-5 * np.abs(expected).max()
     # The forces are those of the field with the wall.
     places = np.array([[0.03, 0.01, 0.1], [0.05, 0.0, 0.1]])
-    force = midair.gorkov(scene, drive, places).force
+    stiffness = midair.gorkov(scene, drive, places).hessian
     away = 1e-6 * np.eye(3)
     up, down = (
-        midair.gorkov(scene, drive, (places[:, None] + s * away).reshape(-1, 3)).potential for s in (1, -1)
+        midair.gorkov(scene, drive, (places[:, None] + s * away).reshape(-1, 3)).force for s in (1, -1)
     )
-    assert np.allclose(force, -(up - down).reshape(2, 3) / 2e-6, rtol=1e-5, atol=1e-12)
+    slope = (up - down).reshape(2, 3, 3) / 2e-6
+    assert np.allclose(stiffness, -(slope + slope.swapaxes(1, 2)) / 2, rtol=1e-5, atol=1e-9)
 
 
 @pytest.mark.parametrize("solver", list(midair.solvers()))
