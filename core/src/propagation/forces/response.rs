@@ -107,6 +107,8 @@ impl Response {
             force: [0, 1, 2].map(|i| sum(1.0, coefficients, &[[&[], &[i]]])),
             hessian: [0, 1, 2].map(|i| {
                 [0, 1, 2].map(|a| {
+                    // The same order of sums on both sides of the diagonal.
+                    let (i, a) = (i.min(a), i.max(a));
                     let all: [[&[usize]; 2]; 4] = [[&[a], &[i]], [&[i], &[a]], [&[], &[i, a]], [&[], &[i, a]]];
                     sum(-0.5, coefficients, &all)
                 })
