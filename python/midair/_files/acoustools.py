@@ -26,8 +26,8 @@ from numpy.typing import NDArray
 
 from .._midair import Array, stated
 from .._support.arguments import warn
-from .._support.text import MOST_BYTES, content, fault, number, numbers, rows, text, unpacked
-from .played import Played, one_or_more
+from .._support.text import MOST_BYTES, content, fault, number, rows, text, unpacked
+from .played import Played, frames_of, one_or_more
 
 #: Number of transducers: of a pair of boards, of one board, along one side of a board.
 PAIR, BOARD, SIDE = 512, 256, 16
@@ -101,25 +101,15 @@ def read(path: str | PathLike[str], data: bytes, array: Array | None = None) -> 
     """Return the drives in a .csv with amplitude 1: (N,) for one frame, else (T, N)."""
     table = rows(text(path, data))
     line, head = next(table)
-    frames, transducers = (int(number(cell) or 0) for cell in head)
-    # A number has at least two bytes, including its separator.
-    if not 2 <= 2 * frames * transducers <= len(data):
-        reported = f"{frames} frames of {transducers} transducers are stated, more than the file can contain"
+    size = [int(number(cell) or 0) for cell in head]
+    phases = frames_of(path, table)
+    if [*phases.shape] != size:
+        there = f"{phases.shape[0]} frames of {phases.shape[1]}"
+        reported = f"{size[0]} frames of {size[1]} transducers are stated, {there} are there"
         raise fault(path, line, reported, "get the file again")
-    drives = np.empty((frames, transducers), np.complex64)
-    frame = 0
-    for line, cells in table:
-        if frame == frames:
-            raise fault(path, line, f"{frames} frames are stated and more are there", "get the file again")
-        if len(cells) != transducers:
-            raise fault(path, line, f"{len(cells)} phases", f"give one for each of {transducers} transducers")
-        drives[frame] = np.exp(1j * numbers(path, line, cells))
-        frame += 1
-    if frame < frames:
-        raise fault(path, line, f"{frames} frames are stated and {frame} are there", "get the file again")
-    ordered = np.empty_like(drives)
-    ordered[:, csv_order(array, transducers)] = drives
-    return one_or_more(ordered)
+    drives = np.empty(phases.shape, np.complex64)
+    drives[:, csv_order(array, phases.shape[1])] = np.exp(1j * phases)
+    return one_or_more(drives)
 
 
 def write_holo(path: Path, drives: Played) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .._boards.board import Board
 from .._midair import Array, SceneError, Solution, numbers, restated, stated
 from .._sequence import Sequence
-from .._support.text import content, fault
+from .._support.text import content, fault, numbers as numbers_of
 
 CURE = 'give board=, such as "sonicsurface"'
 
@@ -112,6 +112,18 @@ def known(board: Board | str | PathLike[str] | None) -> Board | None:
     if board is None or isinstance(board, Board):
         return board
     return Board(board)
+
+
+def frames_of(path: str | PathLike[str], table: Iterable[tuple[int, list[str]]]) -> NDArray[np.float64]:
+    """Return the frames (T, N) in the rows of a table."""
+    found: list[NDArray[np.float64]] = []
+    for line, row in table:
+        found.append(numbers_of(path, line, row))
+        if len(found[-1]) != len(found[0]):
+            raise fault(path, line, f"{len(row)} columns", f"give {len(found[0])}, as in the first row")
+    if not found:
+        raise fault(path, None, "no row is in it", "give a row of numbers for each frame")
+    return np.array(found)
 
 
 def one_or_more(drives: NDArray[np.complex64]) -> NDArray[np.complex64]:

@@ -26,8 +26,8 @@ from .._boards.layout import Layout
 from .._midair import stated
 from .._sequence.files import whole
 from .._support.arguments import warn
-from .._support.text import counted, fault, numbers, rows, text
-from .played import Played, one_or_more
+from .._support.text import counted, fault, rows, text
+from .played import Played, frames_of, one_or_more
 from .xml import Bean, Decoder, Element
 
 #: Ultraino's defaults (Transducer.java): power in Pa m and width in m.
@@ -197,7 +197,7 @@ def read_pair(phases: Path, amplitudes: Path) -> NDArray[np.complex64]:
         raise fault(phases, None, f'its amplitudes, "{amplitudes.name}", are not beside it', "put them there")
     if not phases.exists():
         raise fault(amplitudes, None, f'its phases, "{phases.name}", are not beside it', "put them there")
-    turned, sizes = _frames(phases), _frames(amplitudes)
+    turned, sizes = (frames_of(one, rows(text(one))) for one in (phases, amplitudes))
     if turned.shape != sizes.shape:
         (frames, transducers), reported = turned.shape, f"{sizes.shape[0]} x {sizes.shape[1]} amplitudes"
         raise fault(amplitudes, None, reported, f"give as many as phases, {frames} x {transducers}")
@@ -207,15 +207,3 @@ def read_pair(phases: Path, amplitudes: Path) -> NDArray[np.complex64]:
         value = f"amplitude {sizes[frame, column]:g} in frame {frame}, column {column + 1}"
         raise fault(amplitudes, None, value, "give 0 to 1")
     return one_or_more((sizes * np.exp(1j * turned)).astype(np.complex64))
-
-
-def _frames(path: Path) -> NDArray[np.float64]:
-    found: list[NDArray[np.float64]] = []
-    for line, row in rows(text(path)):
-        values = numbers(path, line, row)
-        if found and len(values) != len(found[0]):
-            raise fault(path, line, f"{len(values)} columns", f"give {len(found[0])}, as in the first row")
-        found.append(values)
-    if not found:
-        raise fault(path, None, "no row is in it", "give a row of numbers for each frame")
-    return np.array(found)
