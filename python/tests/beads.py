@@ -1,8 +1,7 @@
 """Simulates beads on a circle between two boards in double precision.
 
-Written from the definitions, without the core: the force of `traps`, weight, buoyancy, and the drag of
-Schiller and Naumann (Z. Ver. Dtsch. Ing. 77, 318, 1933). The equation of motion is integrated by the
-Runge-Kutta method of fourth order.
+Written from the definitions, without the core: force and drag of `traps`, weight, buoyancy. The equation of
+motion is integrated by the Runge-Kutta method of fourth order.
 """
 
 import numpy as np
@@ -42,12 +41,6 @@ class Air:
         """Returns the force (M, 3) in N."""
         return traps.force(self.source * drive, places[:, None] - self.positions, **self.particle)
 
-    def drag(self, speed: Real) -> Real:
-        """Returns Schiller and Naumann's drag (M, 3) in N at velocities (M, 3) in m/s."""
-        modulus = np.linalg.norm(speed, axis=1, keepdims=True)
-        reynolds = 2 * self.radius * traps.DENSITY * modulus / VISCOSITY
-        return -6 * np.pi * VISCOSITY * self.radius * (1 + 0.15 * reynolds**0.687) * speed
-
     def stray(
         self, drives: Complex, points: Real, begin: Real, rate: float, speed: Real | float = 0.0
     ) -> Real:
@@ -55,17 +48,20 @@ class Air:
         step, apart = 1 / (rate * STEPS), np.zeros(points.shape[:2])
         state = np.stack([begin, np.broadcast_to(speed, begin.shape)])
 
-        def change(state: Real, drive: Complex) -> Real:
-            place, speed = state
-            return np.stack([speed, (self.force(drive, place) + self.weight + self.drag(speed)) / self.mass])
+        air = traps.Drag(self.radius, VISCOSITY, state[1], step, STEPS * len(drives))
+
+        def change(state: Real, drive: Complex, part: float) -> Real:
+            force = self.force(drive, state[0]) + self.weight
+            return np.stack([state[1], air.acceleration(force, state[1], self.mass, part)])
 
         for t, drive in enumerate(drives.astype(complex)):
             for _ in range(STEPS):
-                one = change(state, drive)
-                two = change(state + step / 2 * one, drive)
-                three = change(state + step / 2 * two, drive)
-                four = change(state + step * three, drive)
-                state = state + step / 6 * (one + 2 * two + 2 * three + four)
+                one = change(state, drive, 0)
+                two = change(state + step / 2 * one, drive, 0.5)
+                three = change(state + step / 2 * two, drive, 0.5)
+                four = change(state + step * three, drive, 1)
+                before, state = state[1], state + step / 6 * (one + 2 * two + 2 * three + four)
+                air.passed(before, state[1])
             ahead = points[min(t + 1, len(points) - 1)]
             apart[t] = np.linalg.norm(state[0] - ahead, axis=1)
         return apart

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -29,18 +28,12 @@ def force(drive: Complex, place: Real) -> Real:
     return traps.force(3.0 * drive, place - POSITIONS)
 
 
-def drag(speed: Real) -> Real:
-    """Returns Schiller and Naumann's drag (3,) in N."""
-    size = np.linalg.norm(speed)
-    reynolds = 2 * RADIUS * traps.DENSITY * size / VISCOSITY
-    return -6 * np.pi * VISCOSITY * RADIUS * (1 + 0.15 * reynolds**0.687) * speed
-
-
 def integrated(
     sequence: midair.Sequence, times: Real, place: Real, speed: Real, tau: float, steps: int
 ) -> Real:
-    """Returns a bead's places (T, 3) at `times`, by a Runge-Kutta integration from `place` and `speed`.
-    The field approaches the field of each new drive with the time constant tau.
+    """Returns a bead's places (T, 3) at `times`, by a Runge-Kutta integration that begins at 0 s with `place`
+    and `speed`, in `steps` steps from one time to the next. The field approaches the field of each new drive
+    with the time constant tau.
     """
     drives = sequence.drives.astype(complex)
     count, rate = len(drives), sequence.rate
@@ -53,25 +46,30 @@ def integrated(
             starts.append(y)
             y = drives[frame] + (y - drives[frame]) * kept
 
-    def pull(time: float, place: Real, speed: Real) -> Real:
+    def pull(time: float, place: Real, speed: Real, part: float) -> Real:
         frame = int(time * rate + 1e-9)
         own = drives[frame % count]
         sound = own + (starts[frame % count] - own) * np.exp(-(time - frame / rate) / tau)
-        return (force(sound, place) + WEIGHT + drag(speed)) / MASS
+        return air.acceleration(force(sound, place) + WEIGHT, speed, MASS, part)
 
-    found = [place]
-    for start, end in pairwise(times):
-        h = (end - start) / steps
-        for k in range(steps):
-            t = start + k * h
-            # The fourth stage is just before the end of the step, so that all stages use the same frame.
-            a = pull(t, place, speed)
-            b = pull(t + h / 2, place + h / 2 * speed, speed + h / 2 * a)
-            c = pull(t + h / 2, place + h / 2 * speed + h * h / 4 * a, speed + h / 2 * b)
-            d = pull(t + h * (1 - 1e-6), place + h * speed + h * h / 2 * b, speed + h * c)
-            place = place + h * speed + h * h / 6 * (a + b + c)
-            speed = speed + h / 6 * (a + 2 * b + 2 * c + d)
-        found.append(place)
+    # The time of a flight is that of the middle of the first frame's first part.
+    h = (times[1] - times[0]) / steps
+    first = round(times[0] / h)
+    assert abs(times[0] - first * h) < 1e-9
+    air = traps.Drag(RADIUS, VISCOSITY, speed, h, first + steps * len(times))
+    found = []
+    for k in range(first + steps * (len(times) - 1) + 1):
+        if k >= first and (k - first) % steps == 0:
+            found.append(place)
+        t = k * h
+        # The fourth stage is just before the end of the step, so that all stages use the same frame.
+        a = pull(t, place, speed, 0)
+        b = pull(t + h / 2, place + h / 2 * speed, speed + h / 2 * a, 0.5)
+        c = pull(t + h / 2, place + h / 2 * speed + h * h / 4 * a, speed + h / 2 * b, 0.5)
+        d = pull(t + h * (1 - 1e-6), place + h * speed + h * h / 2 * b, speed + h * c, 1)
+        place, before = place + h * speed + h * h / 6 * (a + b + c), speed
+        speed = speed + h / 6 * (a + 2 * b + 2 * c + d)
+        air.passed(before, speed)
     return np.array(found)
 
 
@@ -161,3 +159,23 @@ def test_a_bead_out_of_reach_of_its_trap_is_reported() -> None:
     assert flight.held.tolist() == [True, False, False]
     with pytest.raises(MemoryError, match=r"duration is 1e\+09 s: the tracks of the beads need \d+"):
         midair.fly(ring(0.01, 0.1, 500.0), duration=1e9)
+
+
+def line(speed: float) -> midair.Sequence:
+    """Returns an open motion along x that begins and ends at full speed."""
+    boards = midair.Array.preset("openmpd_pair", quantization={})
+    places = np.arange(-0.01, 0.01, speed / 1e3)[:, None] * [1, 0, 0]
+    path = midair.path.from_array(places[:, None], rate=1e3)
+    return midair.sequence(boards, path, rate=1e3, signature="trap")
+
+
+def test_a_bead_of_an_open_motion_starts_at_its_point() -> None:
+    flight = midair.fly(line(0.2), duration=0.01)
+    assert flight.distances[0, 0] < 0.05e-3
+
+
+def test_a_motion_that_begins_faster_than_its_trap_can_catch_is_reported() -> None:
+    with pytest.warns(
+        midair.SceneWarning, match="point 1 begins at 4 m/s in frame 0, faster than its trap can catch"
+    ):
+        line(4.0)

@@ -59,6 +59,10 @@ SMALL = midair.Array.grid(8, 8, 0.01)
 STILL = midair.path.still([0, 0, 0.1], duration=0.01)
 
 SLIPS |= {
+    "light bead": (
+        lambda: scene(bead={"density": 0.029}),
+        "bead.density is 0.029 kg/m^3: lighter than the air",
+    ),
     "bead": (lambda: scene(bead={"radius": 1.0}), "bead.radius is 1 m: larger than the wavelength of 0.0085"),
     "time constant": (lambda: midair.sequence(SMALL, STILL, rate=1e3, tau=0.2), "tau is 0.2 s"),
     "of a skin": (

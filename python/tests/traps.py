@@ -92,6 +92,37 @@ def along(function: Callable[[Real], NDArray[Any]], points: Real) -> NDArray[Any
     return np.tensordot(function(points[..., None, None, :] + shifts), FIRST, (points.ndim, 0))
 
 
+class Drag:
+    """The drag of still air in steps of length h: Stokes' friction, Schiller and Naumann's addition for the
+    velocity of the wake, w' = |u|/(2 a) (u - w), and the whole of Basset's integral, with a constant
+    acceleration in each earlier step.
+    """
+
+    def __init__(self, radius: float, viscosity: float, speed: Real, step: float, steps: int) -> None:
+        self.radius, self.step, self.wake = radius, step, np.array(speed, float)
+        self.friction = 6 * np.pi * viscosity * radius
+        self.reynolds = 2 * radius * DENSITY / viscosity
+        self.history = 6 * radius**2 * np.sqrt(np.pi * DENSITY * viscosity)
+        self.gains = np.zeros((steps, *np.shape(speed)))
+        self.done = 0
+
+    def acceleration(self, force: Real, speed: Real, mass: float, part: float) -> Real:
+        """Returns u' at a part of the step, by a force (..., 3) in addition to the drag."""
+        size = np.linalg.norm(self.wake, axis=-1, keepdims=True)
+        drag = self.friction * (speed + 0.15 * (self.reynolds * size) ** 0.687 * self.wake)
+        ages = (self.done - np.arange(self.done + 1) + part) * self.step
+        roots = np.sqrt(ages)
+        past = 2 * np.tensordot(roots[:-1] - roots[1:], self.gains[: self.done], 1)
+        return (force - drag - self.history * past) / (mass + 2 * self.history * roots[-1])
+
+    def passed(self, before: Real, speed: Real) -> None:
+        """Ends a step in which the velocity changes from `before` to `speed`."""
+        self.gains[self.done] = (speed - before) / self.step
+        self.done += 1
+        size = np.linalg.norm(speed, axis=-1, keepdims=True)
+        self.wake = speed + (self.wake - speed) * np.exp(-size * self.step / (2 * self.radius))
+
+
 def felt(pressure: Callable[[Real], Complex], points: Real, **particle: float) -> tuple[Real, Real, Real]:
     """Returns the potential (P,), the force (P, 3) and the symmetric part of its slope (P, 3, 3), by
     differences of a pressure.

@@ -2,7 +2,6 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use core::iter;
 
 use num_complex::{Complex32, Complex64};
 
@@ -18,6 +17,8 @@ use crate::vec3::Vec3;
 
 /// Largest time between two knots in s. Between such knots, traps deviate by less than 0.1 % from linear interpolation.
 const LONGEST: f64 = 1e-3;
+/// Time in s before and after a frame in which `sequence` takes the motion of a trap.
+const LAUNCH: f64 = 0.5e-3;
 /// Largest movement of a point between two knots, in wavelengths.
 const WAY: f64 = 1.0 / 16.0;
 
@@ -228,12 +229,12 @@ impl Course {
     /// open one.
     #[must_use]
     pub fn moving(&self, point: usize) -> [[f64; 3]; 2] {
-        if !self.closed {
-            return [[0.0; 3]; 2];
-        }
-        let apart = self.spacing().max(LONGEST);
-        let [before, here, after] =
-            [-1.0, 0.0, 1.0].map(|side| Vec3(self.place(self.time(0.0) - self.envelope.tau + apart * side, point)));
+        if self.closed { self.motion(point, -self.envelope.tau, self.spacing().max(LONGEST)) } else { [[0.0; 3]; 2] }
+    }
+
+    /// Returns the velocity and the acceleration of a point at a time in s, from its places `apart` before and after.
+    fn motion(&self, point: usize, time: f64, apart: f64) -> [[f64; 3]; 2] {
+        let [before, here, after] = [-1.0, 0.0, 1.0].map(|side| Vec3(self.place(time + apart * side, point)));
         let speed = (after - before) / (2.0 * apart);
         let acceleration = (after - 2.0 * here + before) / (apart * apart);
         [speed.0, acceleration.0]
@@ -241,6 +242,9 @@ impl Course {
 
     /// Returns the places (B, 3) in m where beads in the traps of some points (B,) must start, so that they move with
     /// their points at once. If there is no such place, it is the place of the point.
+    ///
+    /// A bead of an open sequence starts at rest, but a trap that was solved for the motion already gives the force of the
+    /// launch. So the bead starts where this trap gives this force, or none, whichever place is nearer to the point.
     ///
     /// # Errors
     /// The errors of [`crate::rest`].
@@ -253,12 +257,24 @@ impl Course {
     ) -> Result<Vec<[f64; 3]>, Error> {
         let frame = self.frames[..self.points].iter().copied();
         let first: Vec<[f64; 3]> = frame.collect();
-        let each = points.iter().zip(iter::repeat(self.drive(0)));
-        each.map(|(&point, drive)| {
-            let [speed, acceleration] = self.moving(point);
+        let mut start = |point: usize, [speed, acceleration]: [[f64; 3]; 2]| {
             let force = bead.particle.needed(model.medium(), speed, acceleration);
-            Ok(poised(model, drive, first[point], bead, force, control)?.unwrap_or(first[point]))
-        })
-        .collect()
+            poised(model, self.drive(0), first[point], bead, force, control)
+        };
+        let each = points.iter().map(|&point| {
+            if self.closed {
+                // The radiation is known at the first knot, and the flight begins at 0 s.
+                let time = self.time(0.0);
+                let moving = self.motion(point, time - self.envelope.tau, self.spacing().max(LONGEST));
+                let there = start(point, moving)?.unwrap_or(first[point]);
+                return Ok((Vec3(there) - time * Vec3(moving[0])).0);
+            }
+            let rest = start(point, [[0.0; 3]; 2])?.unwrap_or(first[point]);
+            let launch = self.motion(point, 0.0, LAUNCH.max(1.0 / self.envelope.rate));
+            let launched = start(point, launch)?.unwrap_or(first[point]);
+            let apart = |place: [f64; 3]| distance(place, first[point]);
+            Ok(if apart(launched) < apart(rest) { launched } else { rest })
+        });
+        each.collect()
     }
 }

@@ -11,7 +11,8 @@ use alloc::vec::Vec;
 use crate::control::Control;
 use crate::error::{Error, real};
 use crate::kernels::InstructionSet;
-use crate::kernels::flight::{Beads, Laws, advance, begin, radii};
+use crate::kernels::flight::{Beads, Laws, Layer, MODES, advance, begin, radii};
+use crate::math;
 use crate::scene::Medium;
 use crate::scene::Particle;
 use crate::scene::geometry::vector;
@@ -27,8 +28,40 @@ const SPACING: f64 = 8e-3;
 /// falling exponents.
 pub(crate) type Force = [[[f64; 8]; 3]; 84];
 
-/// Places, velocities and the last four accelerations of eight beads, the newest first, in SI units.
-pub(crate) type State = [[[f64; 8]; 3]; 6];
+/// Of eight beads: places, velocities, velocities of the wakes, the last four accelerations, the newest first, and the states
+/// of the boundary layer; in SI units.
+pub(crate) type State = [[[f64; 8]; 3]; 7 + MODES];
+
+/// Returns the state of beads with these places and velocities, without a history.
+pub(crate) fn begun(places: [[f64; 8]; 3], speeds: [[f64; 8]; 3]) -> State {
+    let [none, unknown] = [0.0, f64::NAN].map(|x| [[x; 8]; 3]);
+    core::array::from_fn(|part| match part {
+        0 => places,
+        1 | 2 => speeds,
+        3..7 => unknown,
+        _ => none,
+    })
+}
+
+/// Returns a state whose accelerations are unknown, because the time step changes.
+pub(crate) fn continued(mut state: State) -> State {
+    state[3..7].fill([[f64::NAN; 8]; 3]);
+    state
+}
+
+/// Slowest and fastest rate s_k in 1/s of the exponentials; the rates are evenly spaced on a logarithmic scale.
+const RATES: [f64; 2] = [3.0, 1e5];
+/// The sum of `SHARES` s_k^(1/2) e^(-s_k t) approximates 1/sqrt(t). Least squares of its Fourier transform: from 3 Hz to
+/// 1.9 kHz the history force has an error below 0.8 % (tests).
+const SHARES: [f64; MODES] = [1.8240, 0.7149, 0.8483, 0.8373, 0.8406, 0.8428, 0.7200, 1.8288];
+
+/// Returns the rates s_k in 1/s and the weights in s^(-1/2) of the exponentials that approximate 1/sqrt(t).
+fn exponentials() -> [[f64; 2]; MODES] {
+    core::array::from_fn(|k| {
+        let rate = RATES[0] * math::pow(RATES[1] / RATES[0], k as f64 / (MODES - 1) as f64);
+        [rate, SHARES[k] * math::sqrt(rate)]
+    })
+}
 
 /// Properties of the beads, and the time steps of their motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,11 +88,11 @@ impl Flight {
     /// forces, as if they had been constant before.
     ///
     /// ```text
-    /// m x'' = F(x, t) + weight - buoyancy - drag(|x'|) x'/|x'|,   m = mass of the bead + half the mass of the displaced air
+    /// m x'' = F(x, t) + weight - buoyancy - drag,   m = mass of the bead + half the mass of the displaced air
     /// ```
     ///
-    /// This equation is integrated by Adams' method of order 4. The mass of the air is that of a sphere that is
-    /// accelerated in a fluid without friction.
+    /// This equation is integrated by Adams' method of order 4, with the drag of `kernels::flight`. The mass of the air is that
+    /// of a sphere that is accelerated in a fluid without friction.
     ///
     /// # Errors
     /// Lengths that do not fit; a step, a unit, a number of steps or a particle's value that is not above 0; a stop.
@@ -83,8 +116,10 @@ impl Flight {
             return Err(Error::invalid("forces", lengths, "give steps (K - 1) + 1 centres, K and places at least 2"));
         }
         let radii = radii(set, forces);
-        let [place, speed, pulls @ ..] = state;
-        let mut beads = Beads { place, speed, pulls, reach: reach.map(|x| x * x) };
+        let [place, speed, wake, rest @ ..] = state;
+        let (pulls, layers) = rest.split_at_mut(4);
+        let (Ok(pulls), Ok(layers)) = (pulls.try_into(), layers.try_into()) else { unreachable!("4 and MODES") };
+        let mut beads = Beads { place, speed, wake, pulls, layers, reach: reach.map(|x| x * x) };
         if beads.pulls[0].as_flattened().iter().any(|pull| pull.is_nan()) {
             begin(set, &laws, &forces[0], &centres[0], &mut beads);
         }
@@ -118,13 +153,22 @@ impl Flight {
             return Err(Error::out_of_range("steps", 0, "give at least 1"));
         }
         let mass = self.particle.mass(medium);
+        let friction = self.particle.friction(medium) / mass;
         let drag = |k: usize| {
             let speed = SPACING * (k as f64).max(1e-6);
-            self.particle.drag(medium, speed) / (speed * mass)
+            self.particle.drag(medium, speed) / (speed * mass) - friction
         };
+        let history = self.particle.history(medium) / mass;
+        let layers = exponentials().map(|[rate, weight]| {
+            let left = math::exp(-rate * self.step);
+            Layer { weight: history * weight, left, gained: (1.0 - left) / (rate * self.step) }
+        });
         Ok(Laws {
             lightness: 1.0 / mass,
             gravity: self.particle.weight(medium, self.gravity).map(|weight| weight / mass),
+            friction,
+            layers,
+            passed: self.step / (2.0 * self.particle.radius),
             drag: (0..SPEEDS).map(drag).collect::<Vec<_>>(),
             finest: 1.0 / SPACING,
             unit: self.unit,

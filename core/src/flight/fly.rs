@@ -11,7 +11,7 @@ use crate::control::{Control, bytes};
 use crate::error::{Error, one_each};
 use crate::flight::around::{Around, Polynomial};
 use crate::flight::course::Course;
-use crate::flight::dynamics::{Flight, Force, State};
+use crate::flight::dynamics::{Flight, Force, State, begun, continued};
 use crate::math;
 use crate::propagation::Model;
 use crate::scene::geometry::check_finite;
@@ -158,14 +158,10 @@ impl<'a> Group<'a> {
         knots: usize,
         control: &mut Control,
     ) -> Result<Self, Error> {
-        let mut state: State = [[[f64::NAN; LANES]; 3]; 6];
-        state[..2].as_flattened_mut().fill([0.0; LANES]);
-        for (lane, bead) in beads.iter().enumerate() {
-            for axis in 0..3 {
-                state[0][axis][lane] = bead.place[axis];
-                state[1][axis][lane] = bead.speed[axis];
-            }
-        }
+        let each = |of: fn(&BeadStart) -> [f64; 3]| {
+            [0, 1, 2].map(|axis| array::from_fn(|lane| beads.get(lane).map_or(0.0, |bead| of(bead)[axis])))
+        };
+        let state = begun(each(|bead| bead.place), each(|bead| bead.speed));
         let unit = around.unit;
         let mut group = Self {
             course,
@@ -184,6 +180,13 @@ impl<'a> Group<'a> {
         let steps = group.fine(&solved.forces);
         group.flight = Flight { step: course.spacing() / steps as f64, steps, ..group.flight };
         let centres = group.centres(first);
+        // The first knot is in the middle of the first part of a frame. A step from the start leads there.
+        let lead = Flight { step: course.time(0.0), steps: 1, ..group.flight };
+        let reach = group.cells.map(|cell| if cell.is_some() { unit } else { f64::NAN });
+        let (forces, still) = (vec![solved.forces[0]; 2], [centres[0]; 2]);
+        let mut places = [group.state[0]; 2];
+        lead.fly(model.set, model.medium(), &mut group.state, reach, &forces, &still, 0, &mut places, control)?;
+        group.state = continued(group.state);
         group.stored.insert((first.first, group.cells), Solved { centres, ..solved });
         Ok(group)
     }

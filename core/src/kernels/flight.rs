@@ -10,6 +10,16 @@
 //! x+ = x + h v + h^2/360 (38 a1 + 171 a - 36 a' + 7 a'')        v+ = v + h/24 (9 a1 + 19 a - 5 a' + a'')
 //! ```
 //!
+//! The drag on a sphere of radius a has three parts, with u the velocity of the bead:
+//!
+//! ```text
+//! drag = 6 pi eta a (u + 0.15 Re(w)^0.687 w) + 6 a^2 sqrt(pi rho eta) int u'(s)/sqrt(t - s) ds,   w' = |u|/(2 a) (u - w)
+//! ```
+//!
+//! The integral is the history force of the boundary layer (A. B. Basset, A Treatise on Hydrodynamics, 1888). 1/sqrt(t) is a
+//! sum of [`MODES`] exponentials, so the integral is a sum of states h_k' = u' - s_k h_k. Within a step u' is constant. w is
+//! the velocity to which the wake has adapted: it follows u while the bead moves by its diameter.
+//!
 //! Near the centre few terms of a force are enough: the terms above some degree are left out where they are small.
 #![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
 
@@ -33,6 +43,9 @@ const LEAST: f64 = 1e-5;
 /// Number of bisection steps in the search of [`Radii`]: ten steps find a radius within a thousandth of a unit.
 const BISECTIONS: usize = 10;
 
+/// Number of exponentials that approximate 1/sqrt(t).
+pub(crate) const MODES: usize = 8;
+
 /// Forces on eight beads in N: the coefficients of each monomial along x, y and z.
 pub(crate) type Forces = [[Eight; 3]; TERMS];
 
@@ -50,9 +63,15 @@ pub(crate) struct Laws {
     pub(crate) lightness: f64,
     /// Weight less buoyancy, over the mass, in m/s^2.
     pub(crate) gravity: [f64; 3],
-    /// Drag force over mass and speed in 1/s, at equal steps of speed from 0 on. The last value holds for higher
+    /// Stokes' friction over mass and speed in 1/s.
+    pub(crate) friction: f64,
+    /// Drag of the wake over mass and speed in 1/s, at equal steps of speed from 0 on. The last value holds for higher
     /// speeds.
     pub(crate) drag: Vec<f64>,
+    /// The exponentials of the boundary layer.
+    pub(crate) layers: [Layer; MODES],
+    /// The time step over the diameter, in s/m.
+    pub(crate) passed: f64,
     /// Number of steps of `drag` in 1 m/s.
     pub(crate) finest: f64,
     /// The unit of length of the monomials, in m.
@@ -61,10 +80,24 @@ pub(crate) struct Laws {
     pub(crate) step: f64,
 }
 
-/// State of eight beads: places, velocities and the last four accelerations, the newest first.
+/// An exponential e^(-s t) of the boundary layer, for a step of length h.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layer {
+    /// Its acceleration over its state, in 1/s.
+    pub(crate) weight: f64,
+    /// e^(-s h).
+    pub(crate) left: f64,
+    /// The share (1 - e^(-s h))/(s h) of a change of velocity within a step that the state has after it.
+    pub(crate) gained: f64,
+}
+
+/// State of eight beads: places, velocities, velocities of the wakes, the last four accelerations, the newest first, and the
+/// states of the boundary layer.
 pub(crate) struct Beads<'a> {
     pub(crate) place: &'a mut Vectors,
     pub(crate) speed: &'a mut Vectors,
+    pub(crate) wake: &'a mut Vectors,
+    pub(crate) layers: &'a mut [Vectors; MODES],
     pub(crate) pulls: &'a mut [Vectors; 4],
     /// Square of each bead's largest distance from its centre, in m^2, up to which the flight continues; NaN in a lane
     /// without a bead.
@@ -163,7 +196,8 @@ pub(crate) fn begin(set: InstructionSet, laws: &Laws, forces: &Forces, centre: &
             let of = |all: &Vectors| [V::of(s, &all[0][at..]), V::of(s, &all[1][at..]), V::of(s, &all[2][at..])];
             let (place, speed) = (of(beads.place), of(beads.speed));
             let still = Change { from: forces, to: forces, share: 0.0 };
-            let pull = pull::<_, DEGREE>(s, laws, &still, centre, at, place, speed);
+            let drag = dragged(s, laws, beads, at, speed, speed);
+            let pull = pull::<_, DEGREE>(s, laws, &still, centre, at, place, drag);
             for pulls in &mut *beads.pulls {
                 for axis in 0..3 {
                     pull[axis].put(&mut pulls[axis][at..]);
@@ -232,18 +266,67 @@ fn correct<S: Doubles, const D: usize>(
     for at in (0..EIGHT).step_by(width(s)) {
         let at = at.min(EIGHT - S::WIDTH);
         let of = |all: &Vectors| [V::of(s, &all[0][at..]), V::of(s, &all[1][at..]), V::of(s, &all[2][at..])];
-        let new = pull::<_, D>(s, laws, force, centre, at, of(&ahead[0]), of(&ahead[1]));
         let (place, speed) = (of(beads.place), of(beads.speed));
+        let drag = dragged(s, laws, beads, at, speed, of(&ahead[1]));
+        let new = pull::<_, D>(s, laws, force, centre, at, of(&ahead[0]), drag);
         let [a, b, c, _] = [of(&beads.pulls[0]), of(&beads.pulls[1]), of(&beads.pulls[2]), of(&beads.pulls[3])];
         for i in 0..3 {
             let corrected = (new[i] * 38.0 + a[i] * 171.0 - b[i] * 36.0 + c[i] * 7.0) * half;
             (place[i] + speed[i] * laws.step + corrected).put(&mut beads.place[i][at..]);
-            (speed[i] + (new[i] * 9.0 + a[i] * 19.0 - b[i] * 5.0 + c[i]) * h).put(&mut beads.speed[i][at..]);
+            let change = (new[i] * 9.0 + a[i] * 19.0 - b[i] * 5.0 + c[i]) * h;
+            (speed[i] + change).put(&mut beads.speed[i][at..]);
+            for (layer, state) in laws.layers.iter().zip(&mut *beads.layers) {
+                (V::of(s, &state[i][at..]) * layer.left + change * layer.gained).put(&mut state[i][at..]);
+            }
             for (pulls, pull) in beads.pulls.iter_mut().zip([new[i], a[i], b[i], c[i]]) {
                 pull.put(&mut pulls[i][at..]);
             }
         }
+        let wake = adapted(laws, of(beads.wake), of(beads.speed));
+        (0..3).for_each(|i| wake[i].put(&mut beads.wake[i][at..]));
     }
+}
+
+/// Returns the velocity of the wake after a step at whose end the bead has this velocity.
+#[inline(always)]
+fn adapted<S: Doubles>(laws: &Laws, wake: [V<S>; 3], speed: [V<S>; 3]) -> [V<S>; 3] {
+    let passed = length(speed) * laws.passed;
+    let share = passed * (passed + 1.0).inverse();
+    let mut after = wake;
+    for i in 0..3 {
+        after[i] = wake[i] + (speed[i] - wake[i]) * share;
+    }
+    after
+}
+
+#[inline(always)]
+fn length<S: Doubles>(x: [V<S>; 3]) -> V<S> {
+    (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]).sqrt()
+}
+
+/// Returns the deceleration by drag after a step in which the velocity changes from `before` to `speed`.
+#[inline(always)]
+fn dragged<S: Doubles>(
+    s: S,
+    laws: &Laws,
+    beads: &Beads<'_>,
+    at: usize,
+    before: [V<S>; 3],
+    speed: [V<S>; 3],
+) -> [V<S>; 3] {
+    let of = |all: &Vectors| [V::of(s, &all[0][at..]), V::of(s, &all[1][at..]), V::of(s, &all[2][at..])];
+    let wake = adapted(laws, of(beads.wake), speed);
+    let [slow] = length(wake).each(|speed| [laws.of_wake(speed)]);
+    let mut drag = speed;
+    for i in 0..3 {
+        let change = speed[i] - before[i];
+        drag[i] = speed[i] * laws.friction + slow * wake[i];
+        for (layer, state) in laws.layers.iter().zip(&*beads.layers) {
+            let after = V::of(s, &state[i][at..]) * layer.left + change * layer.gained;
+            drag[i] = drag[i] + after * layer.weight;
+        }
+    }
+    drag
 }
 
 /// Returns the acceleration of beads: the terms of a force up to degree D over the mass, gravity and drag.
@@ -255,7 +338,7 @@ fn pull<S: Doubles, const D: usize>(
     centre: &Vectors,
     at: usize,
     place: [V<S>; 3],
-    speed: [V<S>; 3],
+    drag: [V<S>; 3],
 ) -> [V<S>; 3] {
     let mut x = place;
     for i in 0..3 {
@@ -274,10 +357,8 @@ fn pull<S: Doubles, const D: usize>(
         }
     }
     let [mut sum, odd] = sums;
-    let fast = (speed[0] * speed[0] + speed[1] * speed[1] + speed[2] * speed[2]).sqrt();
-    let [drag] = fast.each(|fast| [laws.dragged(fast)]);
     for i in 0..3 {
-        sum[i] = (sum[i] + odd[i]) * laws.lightness + laws.gravity[i] - drag * speed[i];
+        sum[i] = (sum[i] + odd[i]) * laws.lightness + laws.gravity[i] - drag[i];
     }
     sum
 }
@@ -304,9 +385,9 @@ fn monomials<S: Doubles, const D: usize>(one: V<S>, [x, y, z]: [V<S>; 3]) -> [V<
 }
 
 impl Laws {
-    /// Returns the drag over mass and speed at a speed, interpolated linearly between stored values.
+    /// Returns the drag of the wake over mass and speed at a speed, interpolated linearly between stored values.
     #[inline(always)]
-    fn dragged(&self, speed: f64) -> f64 {
+    fn of_wake(&self, speed: f64) -> f64 {
         let last = self.drag.len() - 1;
         let steps = speed * self.finest;
         let below = (steps as usize).min(last);

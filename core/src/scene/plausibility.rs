@@ -80,12 +80,18 @@ fn metres(value: f64, range: &RangeInclusive<f64>) -> String {
 }
 
 impl Bead {
-    /// Returns a probable mistake in a bead: a radius larger than the wavelength. The default bead, which most scenes do not
-    /// use, is not judged.
+    /// Returns a probable mistake in a bead: a radius larger than the wavelength, or a density below that of the air. The default
+    /// bead, which most scenes do not use, is not judged.
     #[must_use]
     pub(crate) fn doubt(&self, medium: Medium) -> Option<Notice> {
         let (radius, wavelength) = (self.particle.radius, medium.wavelength());
         let sure = self.particle != Particle::default() && is_sure(medium);
+        let density = self.particle.density;
+        if sure && density < medium.density {
+            let cure = in_unit(density, "kg/m^3", &[("g/cm^3", 1e3)], &(5.0..=20_000.0));
+            let cure = format!("lighter than the air, {} kg/m^3: {cure}", short(medium.density));
+            return Some(doubt("bead.density", format!("{} kg/m^3", short(density)), cure));
+        }
         (sure && radius > wavelength).then(|| {
             let cure = metres(radius, &(1e-5..=wavelength));
             let cure = format!("larger than the wavelength of {} m: {cure}", short(wavelength));

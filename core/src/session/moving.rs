@@ -17,8 +17,8 @@ use crate::math::{ceil, rint};
 use crate::points::{Path, PathFrames};
 use crate::problem::Problem;
 use crate::propagation::Model;
-use crate::propagation::forces::rest::poised;
-use crate::scene::{Aim, Choice, Options, Scene, Signature, Value, figures};
+use crate::propagation::forces::rest::{poised, rest};
+use crate::scene::{Aim, Bead, Choice, Options, Scene, Signature, Value, figures};
 use crate::sequence::horizon::PHASES;
 use crate::session::{Frames, Session, SolveRequest};
 use crate::solvers::registry;
@@ -39,6 +39,12 @@ const LOOKED: usize = 200;
 
 /// Accelerations below this, in m/s^2, are possible for any trap.
 const SLIGHT: f64 = 1.0;
+
+/// Speed in m/s below which the catch of a bead is not judged.
+const SLOW: f64 = 0.05;
+
+/// Speed in m/s above which a trap that was solved for the launch may hold no bead at rest.
+const FAST: f64 = 0.5;
 
 /// Time in s over which the acceleration of a trap is averaged, to each side, before it is compared with the trap's forces.
 const WHILE: f64 = 3e-3;
@@ -354,15 +360,16 @@ impl Moving {
         (most, speed)
     }
 
-    /// Returns where each trap has to accelerate its bead the most, without those of slight accelerations.
+    /// Returns where each trap has to accelerate its bead the most, without those of slight accelerations. At the first and the
+    /// last frame of an open motion, each trap has to catch its bead.
     #[must_use]
     pub fn pulls(&self) -> Vec<Pull> {
         let (frames, count) = (self.frames(), self.count());
         let apart = (rint(WHILE * self.rate) as usize).max(1);
-        if self.scene.signature().is_none() || frames <= 2 * apart {
+        if self.scene.signature().is_none() || frames <= 2 {
             return Vec::new();
         }
-        let times = if self.closed { 0..frames } else { apart..frames - apart };
+        let times = if self.closed { 0..frames } else { apart..frames.saturating_sub(apart) };
         let far = self.rate / apart as f64;
         let of = |point: usize| {
             let pull = |frame: usize| {
@@ -379,7 +386,14 @@ impl Moving {
             let most = times.clone().map(pull).reduce(|most, other| if other.0 > most.0 { other } else { most });
             most.filter(|most| most.0 >= SLIGHT).map(|most| most.1)
         };
-        (0..count).filter_map(of).collect()
+        let end = |point: usize, frame: usize, next: usize| {
+            let [here, there] = [frame, next].map(|frame| Vec3(self.points[frame * count + point]));
+            let velocity = (self.rate * (there - here)).0;
+            Pull { point, frame, velocity, acceleration: [0.0; 3] }
+        };
+        let ends = |point: usize| [end(point, 0, 1), end(point, frames - 1, frames - 2)];
+        let open = (0..count).filter(|_| !self.closed).flat_map(ends);
+        open.chain((0..count).filter_map(of)).collect()
     }
 
     /// Returns a warning if the trap of a pull cannot give its bead the force, with the frame's drive (N,).
@@ -395,6 +409,9 @@ impl Moving {
     ) -> Result<Option<Notice>, Error> {
         let &Pull { point, frame, velocity, acceleration } = pull;
         let (bead, place) = (self.scene.bead(), self.points[frame * self.count() + point]);
+        if !self.closed && (frame == 0 || frame + 1 == self.frames()) {
+            return self.caught(pull, model, drive, control);
+        }
         let force = bead.particle.needed(self.scene.medium(), velocity, acceleration);
         if poised(model, drive, place, bead, force, control)?.is_some() {
             return Ok(None);
@@ -404,6 +421,42 @@ impl Moving {
         let value = format!("{size} m/s^2 in frame {frame}, more than its trap can give a bead of {radius} mm radius");
         let (item, cure) = (format!("point {}", point + 1), "go slower, or by midair.path.fastest");
         Ok(Some(Notice::new(ErrorCode::Doubtful, item, value, cure).verb("takes")))
+    }
+
+    /// Returns a warning if the trap at an end of an open motion is too weak to catch a bead with the velocity of the point.
+    fn caught(
+        &self,
+        &Pull { point, frame, velocity, .. }: &Pull,
+        model: &Model,
+        drive: &[Complex32],
+        control: &mut Control,
+    ) -> Result<Option<Notice>, Error> {
+        let (Bead { particle, gravity }, place) = (self.scene.bead(), self.points[frame * self.count() + point]);
+        let speed = Vec3(velocity).norm();
+        if speed < SLOW || self.targets[frame * self.count() + point] == 0.0 {
+            return Ok(None);
+        }
+        let trap = rest(model, drive, &[place], particle, gravity, control)?;
+        if !trap.held[0] && speed < FAST {
+            // A trap that holds nothing is another fault than a launch.
+            return Ok(None);
+        }
+        let mass = particle.mass(self.scene.medium());
+        let part = |k: usize| {
+            let way = |side: usize| trap.restoring[0][k][side] * trap.basin[0][k][side];
+            // The work of a force that is a half wave of a sine over the basin.
+            let work = way(0).min(way(1)) * core::f64::consts::FRAC_2_PI;
+            let speed = Vec3(trap.axes[0][k]).dot(velocity);
+            0.5 * mass * speed * speed / work
+        };
+        if trap.held[0] && (0..3).map(part).sum::<f64>() < 1.0 {
+            return Ok(None);
+        }
+        let (size, radius) = (figures(speed, 3), figures(1e3 * particle.radius, 3));
+        let value = format!("{size} m/s in frame {frame}, faster than its trap can catch a bead of {radius} mm radius");
+        let verb = if frame == 0 { "begins at" } else { "ends at" };
+        let cure = "begin and end at rest, by midair.path.fastest, or give a closed path";
+        Ok(Some(Notice::new(ErrorCode::Doubtful, format!("point {}", point + 1), value, cure).verb(verb)))
     }
 
     /// Returns the first warning of [`Moving::strained`] about pulls in a range of frames, with its drives (frames, N).

@@ -69,8 +69,9 @@ def fly(
 
     Notes
     -----
-    Each bead obeys m x'' = F + weight - buoyancy - drag. F is the force of sound in the field at that time,
-    the drag Schiller and Naumann's in air at rest. m includes half the mass of the air in the bead's place.
+    Each bead obeys m x'' = F + weight - buoyancy - drag. F is the force of sound in the field at that time.
+    The drag is Stokes' with Basset's history force of the boundary layer, and Schiller and Naumann's addition
+    for the wake. m includes half the mass of the air in the bead's place.
     Beads do not act on one another. The force is a polynomial around each point, exact to 1e-3 of the
     largest (docs/traps.md). A bead is lost when it is more than half a wavelength from its point.
 

@@ -30,9 +30,7 @@ fn flown(
     flight: &Flight,
     place: [f64; 3],
 ) -> (State, Vec<[Eight; 3]>) {
-    let mut state: State = [[[0.0; 8]; 3]; 6];
-    state[0] = place.map(|x| [x; 8]);
-    state[2..].as_flattened_mut().as_flattened_mut().fill(f64::NAN);
+    let mut state = begun(place.map(|x| [x; 8]), [[0.0; 8]; 3]);
     let centres = vec![[[0.0; 8]; 3]; flight.steps * (forces.len() - 1) + 1];
     let mut places = vec![[[0.0; 8]; 3]; forces.len()];
     let none = &mut Control::none();
@@ -66,6 +64,58 @@ fn a_bead_on_a_spring_swings_as_a_cosine_that_friction_damps_and_sags_by_its_wei
 }
 
 #[test]
+fn the_exponentials_are_the_root_of_time_from_3_hz_to_2_khz() {
+    for k in 0..200 {
+        let omega = 20.0 * crate::math::pow(600.0, f64::from(k) / 199.0);
+        let turn = num_complex::Complex64::new(0.0, omega);
+        let sum: num_complex::Complex64 =
+            exponentials().iter().map(|[rate, weight]| turn * *weight / (turn + rate)).sum();
+        // The transform of u' * 1/sqrt(t) is sqrt(pi j omega) u.
+        let exact = (turn * core::f64::consts::PI).sqrt();
+        assert!((sum - exact).norm() < 0.008 * exact.norm(), "{omega}: {sum} {exact}");
+    }
+}
+
+#[test]
+fn a_bead_rings_down_as_the_whole_history_of_its_boundary_layer_demands() {
+    // 289 Hz, the axial resonance of a bead of 1 mm in an OpenMPD.
+    let (air, particle) = (Medium::default(), Particle::default());
+    let (mass, turn) = (particle.mass(air), core::f64::consts::TAU * 289.0);
+    let stiffness = turn * turn * mass;
+    let knots = 6001;
+    let (_, places) =
+        flown(InstructionSet::best(), air, &vec![spring([stiffness; 8]); knots], &flight(1, 5e-5), [1e-5, 0.0, 0.0]);
+    // m u' = -k x - 6 pi eta a u - C int u'(s)/sqrt(t - s) ds, with every earlier step and its integral of the root.
+    let (h, steps) = (5e-5, 3000);
+    let (friction, factor) = (particle.friction(air), particle.history(air));
+    let (mut x, mut u, mut gains) = (1e-5_f64, 0.0_f64, Vec::<f64>::new());
+    let mut exact = vec![x];
+    for n in 0..steps {
+        // The equation in the middle of the step, where x and u are means; the newest gain (u' - u)/h is unknown.
+        let root = |part: usize| math::sqrt((part as f64 + 0.5) * h);
+        let past: f64 = (0..n).map(|s| 2.0 * gains[s] * (root(n - s) - root(n - s - 1))).sum();
+        let [own, other] = [mass / h + 2.0 * factor * root(0) / h, 0.5 * friction + 0.25 * stiffness * h];
+        let after = ((own - other) * u - stiffness * x - factor * past) / (own + other);
+        gains.push((after - u) / h);
+        x += 0.5 * h * (u + after);
+        u = after;
+        exact.push(x);
+    }
+    let rate = |track: &[f64]| {
+        let peaks: Vec<(f64, f64)> = (1..track.len() - 1)
+            .filter(|&k| track[k] > track[k - 1] && track[k] >= track[k + 1])
+            .map(|k| (k as f64 * h, track[k].ln()))
+            .collect();
+        let (first, last) = (peaks[2], peaks[peaks.len() - 1]);
+        (first.1 - last.1) / (last.0 - first.0)
+    };
+    let track: Vec<f64> = places.iter().take(steps + 1).map(|place| place[0][0]).collect();
+    let [flown, plain] = [&track, &exact].map(|track| 1e3 / rate(track));
+    assert!((flown / plain - 1.0).abs() < 0.03, "{flown} {plain}");
+    assert!((flown / 83.5 - 1.0).abs() < 0.05, "{flown}");
+}
+
+#[test]
 fn drag_brings_a_falling_bead_to_the_speed_at_which_it_weighs_nothing() {
     let (air, particle) = (Medium::default(), Particle::default());
     let flight = Flight { gravity: [0.0, 0.0, -9.81], ..flight(1000, 1e-3) };
@@ -92,9 +142,7 @@ fn every_set_gives_the_same_bits_and_a_flight_that_stops_goes_on_to_the_same() {
         assert!(flown(set, air, &forces, &flight, start) == (state, places.clone()));
     }
     // In the first three calls the first bead is at once outside its reach of 10 um. The fourth call has no limit.
-    let mut again: State = [[[0.0; 8]; 3]; 6];
-    again[0] = start.map(|x| [x; 8]);
-    again[2..].as_flattened_mut().as_flattened_mut().fill(f64::NAN);
+    let mut again = begun(start.map(|x| [x; 8]), [[0.0; 8]; 3]);
     let centres = vec![[[0.0; 8]; 3]; 41];
     let mut track = vec![[[0.0; 8]; 3]; 3];
     let (mut from, mut calls) = (0, 0);
@@ -119,9 +167,7 @@ fn swung(set: InstructionSet, places: Eight) -> State {
         let size = -2e-5 * crate::math::exp(-2.3 * (degree - 1.0));
         term.as_flattened_mut().fill(size * crate::math::sin(t as f64));
     }
-    let mut state: State = [[[0.0; 8]; 3]; 6];
-    state[0][0] = places.map(|x| 1e-3 * x);
-    state[2..].as_flattened_mut().as_flattened_mut().fill(f64::NAN);
+    let mut state = begun([places.map(|x| 1e-3 * x), [0.0; 8], [0.0; 8]], [[0.0; 8]; 3]);
     let forces = vec![force; 11];
     let flight = flight(10, 5e-5);
     let centres = vec![[[0.0; 8]; 3]; 101];
@@ -157,9 +203,7 @@ fn laps_are_flown_as_forces_that_repeat() {
     let long: Vec<Force> = lap[..3].iter().cycle().take(8).copied().collect();
     let (air, flight) = (Medium::default(), flight(20, 5e-5));
     let (state, places) = flown(InstructionSet::best(), air, &long, &flight, [2e-4, 0.0, -1e-4]);
-    let mut again: State = [[[0.0; 8]; 3]; 6];
-    again[0] = [2e-4, 0.0, -1e-4].map(|x| [x; 8]);
-    again[2..].as_flattened_mut().as_flattened_mut().fill(f64::NAN);
+    let mut again = begun([2e-4, 0.0, -1e-4].map(|x| [x; 8]), [[0.0; 8]; 3]);
     let centres = vec![[[0.0; 8]; 3]; 61];
     let mut track = vec![[[0.0; 8]; 3]; 8];
     let (set, reach, none) = (InstructionSet::best(), [f64::NAN; 8], &mut Control::none());

@@ -26,18 +26,26 @@ impl Particle {
         gravity.map(|g| (self.density - medium.density) * self.volume() * g)
     }
 
-    /// Returns the drag in N of still air at a `speed` in m/s, by Schiller and Naumann (1933), for Reynolds numbers Re up to
-    /// 800:
+    /// Stokes' friction over speed in N s/m, 6 pi eta a.
+    pub(crate) fn friction(&self, medium: Medium) -> f64 {
+        6.0 * core::f64::consts::PI * medium.viscosity() * self.radius
+    }
+
+    /// The factor 6 a^2 sqrt(pi rho eta) of the integral of u'(s)/sqrt(t - s) in Basset's history force, in SI units.
+    pub(crate) fn history(&self, medium: Medium) -> f64 {
+        6.0 * self.radius * self.radius * math::sqrt(core::f64::consts::PI * medium.density * medium.viscosity())
+    }
+
+    /// Returns the drag in N of still air at a constant `speed` in m/s, by Schiller and Naumann (1933), for Reynolds numbers
+    /// Re up to 800:
     ///
     /// ```text
     /// F = 6 pi eta a v (1 + 0.15 Re^0.687),   Re = 2 a rho v/eta
     /// ```
     #[must_use]
     pub fn drag(&self, medium: Medium, speed: f64) -> f64 {
-        let viscosity = medium.viscosity();
-        let reynolds = 2.0 * self.radius * medium.density * speed / viscosity;
-        let stokes = 6.0 * core::f64::consts::PI * viscosity * self.radius * speed;
-        stokes * (1.0 + 0.15 * math::pow(reynolds, 0.687))
+        let reynolds = 2.0 * self.radius * medium.density * speed / medium.viscosity();
+        self.friction(medium) * speed * (1.0 + 0.15 * math::pow(reynolds, 0.687))
     }
 
     /// Returns the force in N that a velocity in m/s and an acceleration in m/s^2 require, besides weight and buoyancy.
