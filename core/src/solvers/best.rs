@@ -15,7 +15,7 @@ options! {
         /// without the seed.
         pub starts: u32 = 32,
         /// Weighted Gerchberg-Saxton sweeps from each of the four best starts.
-        pub steps: u32 = 12,
+        pub steps: u32 = 30,
         /// Ends when no point is off the common level by more than this part of it.
         pub tolerance: f64 = 1e-5,
         /// Allowed leak of a quiet point, relative to the loudest point. It is divided by the point's weight, relative to the
@@ -28,9 +28,6 @@ options! {
 
 /// Number of starts that are continued to drives: only drives show which level an even field can have.
 const FINALISTS: usize = 4;
-
-/// Number of even fields whose level is raised further.
-const RAISED: usize = 3;
 
 impl Method for Best {
     const INFO: Info =
@@ -56,7 +53,7 @@ impl Solve for Best {
             sweeps: self.steps as usize,
             tolerance: self.tolerance as f32,
             quiet: self.quiet as f32,
-            raised: RAISED,
+            wide: true,
         };
         even_field::meet(problem, &[as_uniform, plan], work, control)
     }

@@ -1,13 +1,11 @@
 //! Least squares of eq. (7) over all phases, by descent.
 //!
 //! ```text
-//! powers first    1/4 sum_j w_j (|P_j|^2 - t_j^2)^2                P = G q, |q_i| = 1; weights w, targets t
-//! then moduli     1/2 sum_j w_j (a |P_j| - t_j)^2                  a <= 1 the common amplitude of least error
+//! 1/2 sum_j w_j (a |P_j| - t_j)^2          P = G q, |q_i| = 1; weights w, targets t; a <= 1 the amplitude of least error
 //! ```
 //!
 //! The steps are those of [`crate::solvers::common::phase_descent`]. The moduli have a kink at every zero of the field,
-//! where descent gets stuck; the powers are smooth. A picture of 961 points ends at a third to nine tenths of the error
-//! that moduli alone end at. The first starts have a focus whose cone covers the points
+//! where descent gets stuck. The first starts have a focus whose cone covers the points
 //! ([`crate::solvers::common::cover`]): their fields have no zeros near the picture.
 //!
 //! Below the balanced level amplitudes are free as well ([`with_amplitudes`]). They start from the drive of the
@@ -67,9 +65,8 @@ const MOST_FREE: usize = 1500;
 /// Steps by phases and amplitudes end when ten of them lower the error by less than this part of it.
 const FREE_TOLERANCE: f64 = 3e-4;
 
-/// Divisor of the number of steps: a fifth of them, from each start, lowers the error of |P|^2. The others, from the
-/// best start, lower the error of |P|.
-const POWER_STEPS: usize = 5;
+/// Divisor of the number of steps: a fifth of them is done from each start, the others from the best one.
+const SHORT: usize = 5;
 
 /// Number of steps over which progress is measured.
 const SPAN: usize = 10;
@@ -90,13 +87,12 @@ pub(crate) fn least_squares(
     let rows = Rows::new(problem, work, control)?;
     let mut targets = work.floats.take(rows.order.len());
     targets.iter_mut().zip(problem.targets()).for_each(|(own, target)| *own = task.factor * target);
-    let requested = RowRequest { targets: &targets, weights: problem.weights(), measure: Measure::Powers };
-    let moduli = RowRequest { measure: Measure::Moduli, ..requested };
+    let requested = RowRequest { targets: &targets, weights: problem.weights() };
     let others = if problem.has_start() { 0 } else { task.starts - 1 };
-    let short = task.steps.div_ceil(POWER_STEPS);
+    let short = task.steps.div_ceil(SHORT);
     let (mut done, all) = (task.before, task.before + task.steps + others * short);
     let mut rng = Rng::new(task.seed);
-    let mut follow = |descent: &mut PhaseDescent, requested: RowRequest, most: usize, control: &mut Control| {
+    let mut follow = |descent: &mut PhaseDescent, most: usize, control: &mut Control| {
         descend(descent, requested, &rows, (most, task.tolerance), |wave| {
             // A step is reported when the next step begins. The residual of the last step is reported with the
             // solution.
@@ -117,8 +113,7 @@ pub(crate) fn least_squares(
             None => reflected(requested, &mut rng, &rows, work),
         };
         let mut descent = PhaseDescent::new(wave, &requested, &rows, work);
-        status = follow(&mut descent, requested, short, control);
-        descent.follow(&moduli, &rows);
+        status = follow(&mut descent, short, control);
         if best.as_ref().is_none_or(|best| descent.cost < best.cost) {
             best = Some(descent);
         }
@@ -128,10 +123,10 @@ pub(crate) fn least_squares(
     }
     let mut best = best.expect("there is at least one start");
     if status != Status::Stopped {
-        status = follow(&mut best, moduli, task.steps - short, control);
+        status = follow(&mut best, task.steps - short, control);
     }
     let mut drive = best.wave.drives(problem.propagation().transducers(), work);
-    let amplitude = moduli.amplitude(&best.wave.moduli);
+    let amplitude = requested.amplitude(&best.wave.moduli);
     for q in &mut drive {
         *q *= amplitude;
     }
@@ -153,7 +148,7 @@ pub(crate) fn with_amplitudes(
 ) -> Result<LeastSquares, Error> {
     let rows = Rows::new(problem, work, control)?;
     let targets = &problem.targets()[..rows.order.len()];
-    let request = RowRequest { targets, weights: problem.weights(), measure: Measure::Moduli };
+    let request = RowRequest { targets, weights: problem.weights() };
     let mut wave = Wave::new(&rows, work);
     wave.play(&rows, drive.iter().copied());
     let begun = request.of(&wave);
@@ -178,18 +173,11 @@ pub(crate) fn with_amplitudes(
     Ok(LeastSquares { drive: out, status, steps: (done, all) })
 }
 
-/// Targets and weights of the rows, and the kind of error.
+/// Targets and weights of the rows.
 #[derive(Clone, Copy)]
 struct RowRequest<'a> {
     targets: &'a [f32],
     weights: &'a [f32],
-    measure: Measure,
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Measure {
-    Powers,
-    Moduli,
 }
 
 impl RowRequest<'_> {
@@ -201,9 +189,6 @@ impl RowRequest<'_> {
 
     /// Returns the common amplitude a of the least error.
     fn amplitude(self, moduli: &[f32]) -> f32 {
-        if self.measure == Measure::Powers {
-            return 1.0;
-        }
         let (product, square) = self.terms(moduli).fold((0.0, 0.0), |(p, s), [m, t, w]| (p + w * m * t, s + w * m * m));
         if product < square { (product / square) as f32 } else { 1.0 }
     }
@@ -217,24 +202,15 @@ impl RowRequest<'_> {
 
 impl Cost for RowRequest<'_> {
     fn of(&self, wave: &Wave) -> f64 {
-        let terms = self.terms(&wave.moduli);
-        if self.measure == Measure::Powers {
-            return terms.map(|[m, t, w]| 0.25 * w * (m * m - t * t) * (m * m - t * t)).sum();
-        }
         let amplitude = f64::from(self.amplitude(&wave.moduli));
         let miss = |m: f64, t: f64| amplitude * m - t;
-        terms.map(|[m, t, w]| 0.5 * w * miss(m, t) * miss(m, t)).sum()
+        self.terms(&wave.moduli).map(|[m, t, w]| 0.5 * w * miss(m, t) * miss(m, t)).sum()
     }
 
     fn pull(&self, wave: &Wave, mut pulls: [&mut [f32]; 2]) {
         let amplitude = self.amplitude(&wave.moduli);
         for (j, (&target, &weight)) in self.targets.iter().zip(self.weights).enumerate() {
-            let modulus = wave.moduli[j];
-            let pull = weight
-                * match self.measure {
-                    Measure::Powers => modulus * modulus - target * target,
-                    Measure::Moduli => amplitude * (amplitude - target / modulus.max(f32::MIN_POSITIVE)),
-                };
+            let pull = weight * amplitude * (amplitude - target / wave.moduli[j].max(f32::MIN_POSITIVE));
             for (pulls, field) in pulls.iter_mut().zip(&wave.field) {
                 pulls[j] = pull * field[j];
             }
@@ -260,8 +236,7 @@ fn descend(
             }
             before = descent.cost;
         }
-        let met = requested.measure == Measure::Moduli && descent.cost <= LEAST_ERROR * LEAST_ERROR * silence;
-        if met {
+        if descent.cost <= LEAST_ERROR * LEAST_ERROR * silence {
             return Status::Done;
         }
         if stop(&descent.wave) {

@@ -9,9 +9,6 @@ use crate::solvers::even_field::run::Run;
 /// distance.
 const PLACES: [f64; 6] = [1.0, 2.0, 4.0, -1.0, -2.0, -4.0];
 
-/// Number of cones.
-pub(super) const COUNT: usize = PLACES.len();
-
 /// Returns the phases of a cone at the points; `None` if the points have no known places.
 pub(super) fn start<'w>(run: &Run<'_, '_, 'w>, foci: &Foci, which: usize) -> Option<Starts<'w>> {
     let (rows, work, setup) = (run.rows, run.work, run.problem.setup());

@@ -1,16 +1,15 @@
-//! Even fields at the highest common level, in the steps of [`solve`]:
+//! Even fields at the highest common level. The method is sweeps, the shortest steps to an even field, and a path where
+//! these steps lose level:
 //!
-//! 1. *Start* ([`point_phases`], [`weighted_sweeps`]): point phases that reinforce each other are found on G, or
-//!    several on the matrix of couplings; weighted Gerchberg-Saxton sweeps with |q| = 1 raise the weakest points.
-//!    `best` uses the start of the highest level of [`few`] points.
-//! 2. *Make even* ([`common_level`]): Gauss-Newton steps on |P_j| = s t_j, the level s free.
-//! 3. *Raise*, if the points are crowded ([`Regime`]): least squares on the targets ([`targets`]), and steps that make
-//!    the field even and keep its level ([`ascent`]). `best` also uses the [`soft_minimum`] and the [`penalty`] from
-//!    [`cones`] and from random phases; so does any plan that finds no even field. For separate points `best` raises
-//!    the loudest even fields ([`leaders`]), too.
-//! 4. *Lift to the target*, if the steps with a free level ended below it.
-//! 5. *Stiffen*, if the points are traps ([`traps`]; in a sequence of frames [`traps_within`]).
-//! 6. *Round* to the board's grid ([`on_grid`], with few phases [`coarse`]), and reduce to the targets ([`answer`]).
+//! 1. *Starts* ([`point_phases`]): point phases that reinforce each other; `best` has more of them, and those of the
+//!    highest level of [`few`] points.
+//! 2. *Sweeps* ([`weighted_sweeps`]): weighted Gerchberg-Saxton with |q| = 1 raises the weakest points.
+//! 3. *Even* ([`even`]): the shortest steps to |P_j| = s t_j, the level s free.
+//! 4. *Path* ([`path`]): the loudest field from uneven to even, if these steps lost level. For crowded points
+//!    ([`Regime`]) it is a [`race`] from several starts. Targets among crowded quiet points have an [`ascent`] instead.
+//! 5. *Lift to the target*, if the steps with a free level ended below it.
+//! 6. *Stiffen*, if the points are traps ([`traps`]; in a sequence of frames [`traps_within`]).
+//! 7. *Grid* ([`on_grid`], with few phases [`coarse`]): rounds to the board's grid; [`answer`] reduces to the targets.
 //!
 //! If this misses the targets, crowded and quiet points get the drive of least squares ([`nearest`]). Pictures get it
 //! without a search for an even field.
@@ -21,19 +20,19 @@ pub(crate) mod answer;
 pub(crate) mod ascent;
 pub(crate) mod coarse;
 pub(crate) mod coincident;
-pub(crate) mod common_level;
 pub(crate) mod cones;
+pub(crate) mod even;
 pub(crate) mod few;
 mod fixed_foci;
-pub(crate) mod leaders;
 pub(crate) mod nearest;
+pub(crate) mod newton;
 pub(crate) mod on_grid;
-pub(crate) mod penalty;
+pub(crate) mod path;
 pub(crate) mod point_phases;
+pub(crate) mod race;
 pub(crate) mod regular;
 mod rest_on_grid;
 pub(crate) mod run;
-pub(crate) mod search;
 pub(crate) mod silence;
 pub(crate) mod soft_minimum;
 pub(crate) mod targets;
@@ -54,16 +53,12 @@ use crate::scene::Aim;
 use crate::solvers::common::least_squares::Task;
 use crate::solvers::common::tiled::Rows;
 use crate::solvers::even_field::answer::Answer;
-use crate::solvers::even_field::ascent::Pace;
-use crate::solvers::even_field::common_level::{MOST_STEPS, Manner};
+use crate::solvers::even_field::even::{MOST_STEPS, Manner};
 use crate::solvers::even_field::point_phases::Foci;
-use crate::solvers::even_field::run::{FEW_ENOUGH, Plan, Run, TOO_MANY};
-use crate::solvers::even_field::search::Search;
+use crate::solvers::even_field::race::{Found, Search};
+use crate::solvers::even_field::run::{Plan, Run, TOO_MANY};
 use crate::solvers::even_field::silence::Silence;
 use crate::workspace::Workspace;
-
-/// If the even field of crowded points has less than this part of the balanced level, other starts are tried, too.
-const LOUD: f32 = 0.5;
 
 /// Dependence of the points of a scene on each other. It decides which steps make their field even.
 #[derive(Clone, Copy, PartialEq)]
@@ -137,8 +132,7 @@ fn even(problem: &Problem, plans: &[Plan], work: &Workspace, control: &mut Contr
     // If the problem gives a start, it is the only start, so one plan is enough.
     let plans = if problem.has_start() { &plans[plans.len() - 1..] } else { plans };
     let mut run = Run::new(problem, &rows, plans[0], MOST_STEPS, work, control);
-    let raised = plans.iter().map(|plan| plan.raised(&rows)).max().unwrap_or(0);
-    let mut search = Search::new(&rows, if problem.has_start() { 0 } else { raised }, work);
+    let mut search = Search::new(&rows, work);
     let expected = if silence.crowded { Regime::Silent } else { Regime::Separate };
     let regime = make_even(&mut run, &mut search, &foci, plans, expected)?;
     if regime == Regime::Crowded
@@ -149,13 +143,10 @@ fn even(problem: &Problem, plans: &[Plan], work: &Workspace, control: &mut Contr
         let solution = Solution::new(problem, drive, ended, run.steps, work, run.control)?;
         return Ok(Even { solution, regime: None, reached: false });
     }
-    if regime == Regime::Separate && !run.stopped && !search.finds(&run) {
-        search.rise(&mut run)?;
-    }
     lift_to_target(&mut run, &mut search)?;
     let Search { mut best, even, .. } = search;
     if !traps::stiffen(&mut run, &mut best)? {
-        let board = coarse::board(&run).filter(|_| plans.iter().any(|plan| plan.raised > 0));
+        let board = coarse::board(&run).filter(|_| plans.iter().any(|plan| plan.wide));
         let free = board.map(|board| (board, best.drives(problem.propagation().transducers(), work)));
         on_grid::bring(&mut run, even, &mut best);
         if let Some((board, free)) = free
@@ -188,22 +179,24 @@ fn make_even<'w>(
 ) -> Result<Regime, Error> {
     if expected == Regime::Silent {
         for plan in plans {
-            search.climb(run, foci, *plan, Pace::SILENT)?;
+            search.among_quiet(run, foci, *plan)?;
         }
         return Ok(if search.even { Regime::Silent } else { Regime::Crowded });
     }
     let symmetric = run.problem.propagation().control_points().is_some_and(|points| regular::regular(points, run.work));
-    let unequal = !symmetric && run.rows.unequal();
-    let extra = ((symmetric || unequal) && !run.problem.has_start()).then(|| plans[0].for_regular());
-    for plan in plans.iter().copied().chain(extra) {
-        if unequal && search.finds(run) {
-            break;
+    for plan in plans {
+        let mut found = search.separate(run, foci, *plan)?;
+        if !plan.wide && !run.problem.has_start() && (symmetric || found == Found::Lossy) {
+            found = found.max(search.separate(run, foci, plan.again())?);
         }
-        if search.level(run, foci, plan)? {
+        if found == Found::Crowded {
             return Ok(Regime::Crowded);
         }
-        if run.stopped {
+        if run.stopped || search.finds(run) {
             break;
+        }
+        if found != Found::Separate && !run.problem.has_start() {
+            search.rise(run)?;
         }
     }
     Ok(Regime::Separate)
@@ -218,33 +211,23 @@ fn raise<'w>(
     plans: &[Plan],
 ) -> Result<Option<Vec<Complex32>>, Error> {
     let (target, given) = (run.rows.target, run.problem.has_start());
-    let alone = run.rows.targeted == run.rows.order.len();
     let nearest = if given { None } else { Some(targets::approach(run, search)?) };
     // If all targets are nearly met, no other level is searched.
     let wanted = run.problem.aim() == Aim::Target;
     let near = wanted && nearest.as_ref().is_some_and(|nearest| nearest.near);
-    let unfinished = |run: &Run, search: &Search| {
-        !(near || run.stopped || run.rows.equations() > TOO_MANY || wanted && search.reaches(target))
-    };
-    if let Some(nearest) = &nearest
-        && unfinished(run, search)
-    {
-        search.trial.play_at_full(run.rows, nearest.drive.iter().copied());
-        search.climb_on(run, Pace::LOUD)?;
-    }
-    if unfinished(run, search) {
-        for plan in plans {
-            if plan.raised(run.rows) > 0 && alone {
-                search.soften(run, foci, *plan)?;
-            } else {
-                search.race(run, foci, plan.for_crowded())?;
+    for plan in plans {
+        if near || run.stopped || run.rows.equations() > TOO_MANY || wanted && search.reaches(target) {
+            break;
+        }
+        let mut drives = Vec::new();
+        if let Some(nearest) = &nearest {
+            drives.extend((!plan.wide).then(|| nearest.drive.clone()));
+            for &part in plan.louder() {
+                drives.push(targets::nearest_to(run, part)?.drive);
             }
         }
-        if alone && run.rows.equations() <= FEW_ENOUGH {
-            let loud = search.even && search.lowest >= LOUD * run.problem.balance() as f32 * target;
-            let starts = plans.iter().map(|plan| plan.scattered(loud)).max().unwrap_or(0);
-            search.scatter(run, starts)?;
-        }
+        search.race(run, foci, *plan, &drives)?;
+        drives.into_iter().for_each(|drive| run.work.complexes.give(drive));
     }
     let Some(nearest) = nearest else { return Ok(None) };
     // No even field was found, or its level is below the target, which the nearest field meets.
@@ -262,7 +245,7 @@ fn lift_to_target<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -> Res
     let below = run.problem.aim() == Aim::Target && search.lowest < rows.target;
     if below && !run.stopped && 4 * rows.targeted >= propagation.transducers() {
         search.trial.copy(&search.best);
-        if common_level::polish(run, Manner::separate(Some(rows.target)), &mut search.trial)?.even {
+        if even::polish(run, Manner::separate(Some(rows.target)), &mut search.trial)?.even {
             search.even = true;
             core::mem::swap(&mut search.best, &mut search.trial);
         }

@@ -21,9 +21,9 @@ use crate::workspace::{Buffer, Workspace};
 /// Number of rounds over the points with the M x M matrix: in trials eight reach the energy within a thousandth.
 const ROUNDS: usize = 8;
 
-/// Number of rounds over the points with G itself instead of the matrix. Each takes as long as a sweep. In trials, two
-/// rounds more or fewer change the level by a thousandth at 64 points.
-const ROUNDS_ALONE: usize = 8;
+/// Number of rounds over the points with G itself instead of the matrix. Each takes as long as a weighted sweep, and the
+/// sweeps gain more.
+const ROUNDS_ALONE: usize = 3;
 
 /// Up to this number of points the matrix takes less time than the rounds with G.
 const FEW: usize = 16;
@@ -197,7 +197,7 @@ impl<'w> Couplings<'w> {
         if let Some(&first) = visits.first() {
             re[first as usize * LANES..][..LANES].fill(shares[first as usize]);
         }
-        let energy = phases::align(self.set, self.planes(), &shares, visits, ROUNDS_ALONE, [re, im], control)?[0];
+        let energy = phases::align(self.set, self.planes(), &shares, visits, ROUNDS, [re, im], control)?[0];
         let mut phasors = [(); 2].map(|()| work.floats.take(self.points));
         for (k, share) in shares.iter().enumerate() {
             let [x, y] = [&vectors[0], &vectors[1]].map(|plane| plane[k * LANES] / share);

@@ -1,6 +1,7 @@
 //! A run: the limits of the search, steps reported to the caller, and how even a field is.
 
 use crate::control::Control;
+use crate::error::Error;
 use crate::linalg::Planar;
 use crate::problem::Problem;
 use crate::solvers::common::tiled::{Rows, Wave};
@@ -21,8 +22,8 @@ pub(crate) struct Plan {
     pub(crate) tolerance: f32,
     /// The allowed leak of a quiet point, relative to the level.
     pub(crate) quiet: f32,
-    /// Number of even fields of separate points whose level is raised further.
-    pub(crate) raised: usize,
+    /// Whether more fields are followed to the end, from more kinds of starts.
+    pub(crate) wide: bool,
 }
 
 /// A quiet point counts as too loud from this multiple of its allowed leak on. To remove the last tenth would take as
@@ -32,8 +33,8 @@ const ABOVE: f32 = 1.1;
 /// Default of the allowed leak of a quiet point: 60 dB below the level.
 pub(crate) const QUIET: f64 = 1e-3;
 
-/// Default number of weighted sweeps before the Gauss-Newton steps.
-pub(crate) const SWEEPS: u32 = 4;
+/// Default number of weighted sweeps before the shortest steps to an even field.
+pub(crate) const SWEEPS: u32 = 16;
 
 /// Above this number of equations, where a step takes tens of milliseconds, the level is not raised further.
 pub(super) const TOO_MANY: usize = 500;
@@ -41,50 +42,42 @@ pub(super) const TOO_MANY: usize = 500;
 /// Up to this number of equations random phases are tried as starts, too.
 pub(super) const FEW_ENOUGH: usize = 128;
 
-/// Targets are unequal if one is this multiple of another, and if there are at least [`MANY`].
-const UNEQUAL: f32 = 3.0;
-
-/// The least number of targets for which unequal sizes matter.
-const MANY: usize = 16;
-
 impl Plan {
     /// Returns the plan with a single start, which is found on G itself.
     pub(crate) const fn alone(sweeps: u32, tolerance: f64, quiet: f64) -> Self {
         let (tolerance, quiet) = (tolerance as f32, quiet as f32);
-        Self { starts: 1, finalists: 1, seed: 0, sweeps: sweeps as usize, tolerance, quiet, raised: 0 }
+        Self { starts: 1, finalists: 1, seed: 0, sweeps: sweeps as usize, tolerance, quiet, wide: false }
     }
 
-    /// Returns the plan with more starts for regular points. Their single start may have decided a tie badly.
-    pub(super) fn for_regular(&self) -> Self {
-        Self { starts: 16, finalists: 3, ..*self }
+    /// Returns the plan with more starts, for points whose single start may have been bad.
+    pub(super) fn again(&self) -> Self {
+        Self { starts: 16, finalists: 2, ..*self }
     }
 
-    /// Returns how many even fields are raised further. It is at least one for unequal targets, because the shortest
-    /// steps to an even field lose a tenth of their level.
-    pub(super) fn raised(&self, rows: &Rows) -> usize {
-        if rows.unequal() { self.raised.max(1) } else { self.raised }
+    /// Returns the plan with more starts for targets among crowded quiet points.
+    pub(super) fn for_quiet(&self) -> Self {
+        Self { starts: self.starts.max(16), finalists: (2 * self.finalists).max(4), wide: true, ..*self }
     }
 
-    /// Returns the number of drives with random phases from which fields of crowded points are made even; `loud` if
-    /// another start gave a high level.
-    pub(super) fn scattered(&self, loud: bool) -> usize {
-        match self.raised {
-            0 if loud => 0,
-            0 => 6,
-            _ => 12,
-        }
+    /// Returns the number of starts with random drives: where points fill a volume, the loudest fields are not near
+    /// smooth ones.
+    pub(super) fn random(&self) -> usize {
+        if self.wide { 6 } else { 4 }
     }
 
-    /// Returns the plan with more starts for crowded points, because the energy of a start says little about its final level.
-    pub(super) fn for_crowded(&self) -> Self {
-        Self { starts: self.starts.max(16), finalists: (2 * self.finalists).max(4), ..*self }
+    /// Returns how many fields are followed to the end.
+    pub(super) fn leaders(&self) -> usize {
+        if self.wide { 3 } else { 2 }
     }
-}
 
-impl Rows<'_> {
-    /// Returns whether there are many targets, and some of them are much larger than others.
-    pub(super) fn unequal(&self) -> bool {
-        self.targeted >= MANY && self.scale[..self.targeted].iter().any(|&scale| scale >= UNEQUAL)
+    /// Returns parts of the targets, or of the balanced level. Crowded points start from the fields nearest to them, too.
+    pub(super) fn louder(&self) -> &'static [f32] {
+        if self.wide { &[1.2, 1.6] } else { &[] }
+    }
+
+    /// Returns the cones from which crowded points start. A wide plan follows one that is not wide.
+    pub(super) fn cones(&self) -> &'static [usize] {
+        if self.wide { &[0, 1, 3, 4, 5] } else { &[2] }
     }
 }
 
@@ -154,6 +147,17 @@ impl<'a, 'b, 'w> Run<'a, 'b, 'w> {
     ) -> Self {
         let moduli = work.floats.take(problem.propagation().lanes());
         Self { problem, rows, plan, work, control, step: 0, steps, stopped: false, moduli }
+    }
+
+    /// Returns the value; `None` after a stop, which is noted.
+    pub(super) fn unless_stopped<T>(&mut self, result: Result<T, Error>) -> Result<Option<T>, Error> {
+        match result {
+            Err(error) if error.is_stop() => {
+                self.stopped = true;
+                Ok(None)
+            }
+            result => result.map(Some),
+        }
     }
 
     /// Counts a step to `wave`; returns whether to continue. A step is reported when the next one is done, because the

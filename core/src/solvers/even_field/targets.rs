@@ -8,11 +8,11 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Status};
 use crate::scene::Aim;
-use crate::solvers::common::least_squares::{Task, least_squares};
+use crate::solvers::common::least_squares::{LeastSquares, Task, least_squares};
 use crate::solvers::common::tiled::{Rows, Wave};
-use crate::solvers::even_field::common_level::{MOST_STEPS, Manner, polish};
+use crate::solvers::even_field::even::{MOST_STEPS, Manner, polish};
+use crate::solvers::even_field::race::{NEARLY, Search};
 use crate::solvers::even_field::run::{Plan, QUIET, Run};
-use crate::solvers::even_field::search::{NEARLY, Search};
 use crate::solvers::even_field::silence::Silence;
 use crate::workspace::Workspace;
 
@@ -44,7 +44,7 @@ pub(super) fn met(
     wave.play_at_full(rows, drive.iter().copied());
     let level = rows.target * factor;
     let near = wave.unevenness(rows, level, run.plan.quiet) <= NEAR;
-    let met = near && polish(&mut run, Manner::crowded(level, plan.quiet), &mut wave)?.even;
+    let met = near && polish(&mut run, Manner::crowded(level), &mut wave)?.even;
     Ok(met.then(|| wave.drives(propagation.transducers(), work)))
 }
 
@@ -64,18 +64,12 @@ pub(super) struct Nearest {
 pub(super) fn approach<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -> Result<Nearest, Error> {
     let (problem, rows) = (run.problem, run.rows);
     let factor = problem.balance().max(1.0) as f32;
-    // The level of a disc of points can be raised to a tenth more after a short descent than after a long one.
-    let (steps, tolerance) = if problem.aim() == Aim::Max { (300, 1e-3) } else { (1500, 3e-4) };
-    let task = Task { steps, tolerance, starts: 2, seed: 0, factor, before: run.step };
-    let found = least_squares(problem, &task, run.work, run.control)?;
-    (run.step, run.steps) = (found.steps.0, run.steps.max(found.steps.1));
-    run.stopped = found.status == Status::Stopped;
-    let mut drive = found.drive;
+    let mut drive = nearest_to(run, 1.0)?.drive;
     search.trial.play_at_full(rows, drive.iter().copied());
     let level = search.trial.level(rows);
     let near = search.trial.unevenness(rows, rows.target * factor, run.plan.quiet) <= NEAR;
     if !run.stopped && search.trial.unevenness(rows, level, run.plan.quiet) <= NEAR {
-        polish(run, Manner::crowded(level, run.plan.quiet), &mut search.trial)?;
+        polish(run, Manner::crowded(level), &mut search.trial)?;
     }
     let even =
         search.trial.unevenness(rows, search.trial.level(rows), run.plan.quiet) <= run.plan.tolerance.max(NEARLY);
@@ -84,4 +78,19 @@ pub(super) fn approach<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -
         *q /= factor;
     }
     Ok(Nearest { drive, near })
+}
+
+/// Returns the drive of least error at `part` times the targets, or times the balanced level if the targets are below it.
+///
+/// # Errors
+/// More memory than allowed is needed.
+pub(super) fn nearest_to(run: &mut Run, part: f32) -> Result<LeastSquares, Error> {
+    let factor = part * run.problem.balance().max(1.0) as f32;
+    // The level of a disc of points can be raised to a tenth more after a short descent than after a long one.
+    let (steps, tolerance) = if run.problem.aim() == Aim::Max { (300, 1e-3) } else { (1500, 3e-4) };
+    let task = Task { steps, tolerance, starts: 2, seed: 0, factor, before: run.step };
+    let nearest = least_squares(run.problem, &task, run.work, run.control)?;
+    (run.step, run.steps) = (nearest.steps.0, run.steps.max(nearest.steps.1));
+    run.stopped |= nearest.status == Status::Stopped;
+    Ok(nearest)
 }

@@ -13,6 +13,11 @@ const RELAXATION: f32 = 0.8;
 /// The largest factor of a weight in a sweep. Without this limit, two or three points would alternate.
 const MOST_CHANGE: f32 = 2.0;
 
+/// Sweeps end when no point is off the level by more than [`EVEN`] of it, and the level is at most this multiple of the last
+/// sweep's. Points of a regular set are even from the first sweep on, while their level still rises.
+const SETTLED: f32 = 1.001;
+const EVEN: f32 = 0.03;
+
 /// Does sweeps from a start; leaves in `wave` the field whose weakest point is strongest.
 pub(super) fn raise<'w>(run: &mut Run<'_, '_, 'w>, starts: &Starts, start: usize, wave: &mut Wave<'w>) {
     let (rows, work, targeted) = (run.rows, run.work, run.rows.targeted);
@@ -27,6 +32,7 @@ pub(super) fn raise<'w>(run: &mut Run<'_, '_, 'w>, starts: &Starts, start: usize
     let mut projector = Projector::new(rows, work);
     let echo = RELAXATION * starts.echoes[start];
     let mut trial = Wave::new(rows, work);
+    let mut last = 0.0;
     let given = run.problem.start_drive();
     if let Some(drive) = given {
         wave.play_at_full(rows, drive.iter().copied());
@@ -39,6 +45,7 @@ pub(super) fn raise<'w>(run: &mut Run<'_, '_, 'w>, starts: &Starts, start: usize
         }
         projector.project(rows, &mut trial);
         let level = trial.level(rows);
+        let settled = !run.plan.wide && trial.unevenness(rows, level, f32::INFINITY) <= EVEN && level <= SETTLED * last;
         let mut largest = 0.0_f32;
         for k in 0..targeted {
             let modulus = trial.moduli[k];
@@ -60,8 +67,9 @@ pub(super) fn raise<'w>(run: &mut Run<'_, '_, 'w>, starts: &Starts, start: usize
         if (sweep == 0 && given.is_none()) || trial.lowest(rows) > wave.lowest(rows) {
             core::mem::swap(&mut trial, wave);
         }
-        if !run.report(wave) {
+        if !run.report(wave) || settled {
             break;
         }
+        last = level;
     }
 }

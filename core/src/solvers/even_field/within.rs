@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::kernels::tiles::unit::Arc;
 use crate::problem::Problem;
 use crate::solvers::common::tiled::{Rows, Wave};
-use crate::solvers::even_field::common_level::Newton;
+use crate::solvers::even_field::newton::Newton;
 use crate::workspace::Workspace;
 
 /// Number of tries of a step, each half as far as the one before.
