@@ -1,4 +1,4 @@
-//! Ascent: raises the level of targets among crowded quiet points.
+//! Ascent: raises the level of targets among crowded quiet points, and that of the field of least squares.
 //!
 //! ```text
 //! maximise s subject to |P_j| = s t_j,    with Lagrange multipliers y_j, sum_j y_j = 1
@@ -7,12 +7,13 @@
 //! ```
 //!
 //! (sequential quadratic programming, Nocedal and Wright 2006, chapter 18; J, D and W as in
-//! [`crate::solvers::even_field::newton`].) The equations of the quiet points are many and linear. A path of the penalty
-//! ([`crate::solvers::even_field::path`]) leaves them too loud.
+//! [`crate::solvers::even_field::newton`].) The equations of quiet points are many and linear. A path of the penalty
+//! ([`crate::solvers::even_field::path`]) leaves them too loud. From the field of least squares of crowded points this
+//! ascent keeps the level, which the path there loses.
 
 use crate::error::Error;
 use crate::solvers::common::tiled::Wave;
-use crate::solvers::even_field::even::MOST_ROTATION;
+use crate::solvers::even_field::even::{MOST_ROTATION, Manner};
 use crate::solvers::even_field::newton::{Level, Metric, Newton};
 use crate::solvers::even_field::run::Run;
 
@@ -33,10 +34,17 @@ impl Pace {
     /// The pace for a few targets. Beside a disc of 172 quiet points a least damping of 1e-5 loses 4 % of the level. With
     /// 1e-3 the quiet points leak twice as much.
     pub(super) const SHORT: Self = Self { damping: 1e-2, shrink: 0.5, least: 1e-4, steps: 22 };
-    /// The pace for many targets, in two parts. After the first the weakest point shows the final level within 3 %.
-    pub(super) const FIRST: Self = Self { damping: 1.0, shrink: 0.93, least: 1e-5, steps: 40 };
-    /// The damping is .93^40 of the first one.
-    pub(super) const REST: Self = Self { damping: 0.0549, steps: 120, ..Self::FIRST };
+    /// The pace for many targets.
+    pub(super) const LONG: Self = Self { damping: 1.0, shrink: 0.93, least: 1e-5, steps: 160 };
+    /// The first quarter of [`Self::LONG`]. After it the weakest point shows the final level within 3 %.
+    pub(super) const FIRST: Self = Self { steps: 40, ..Self::LONG };
+    /// The rest of [`Self::LONG`]. The damping is .93^40 of the first one.
+    pub(super) const REST: Self = Self { damping: 0.0549, steps: 120, ..Self::LONG };
+
+    /// Returns how the field is made even after the ascent, for its level and an allowed leak.
+    pub(super) fn manner(self, level: f32, quiet: f32) -> Manner {
+        if self.steps == Self::SHORT.steps { Manner::silent(level, quiet) } else { Manner::crowded(level) }
+    }
 }
 
 /// Raises the level of `wave`, and makes it as even as the last damping allows.

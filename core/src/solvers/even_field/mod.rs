@@ -53,6 +53,7 @@ use crate::scene::Aim;
 use crate::solvers::common::least_squares::Task;
 use crate::solvers::common::tiled::Rows;
 use crate::solvers::even_field::answer::Answer;
+use crate::solvers::even_field::ascent::Pace;
 use crate::solvers::even_field::even::{MOST_STEPS, Manner};
 use crate::solvers::even_field::point_phases::Foci;
 use crate::solvers::even_field::race::{Found, Search};
@@ -215,8 +216,17 @@ fn raise<'w>(
     // If all targets are nearly met, no other level is searched.
     let wanted = run.problem.aim() == Aim::Target;
     let near = wanted && nearest.as_ref().is_some_and(|nearest| nearest.near);
+    let ended = |run: &Run, search: &Search| {
+        near || run.stopped || run.rows.equations() > TOO_MANY || wanted && search.reaches(target)
+    };
+    if let Some(nearest) = &nearest
+        && !ended(run, search)
+    {
+        search.trial.play_at_full(run.rows, nearest.drive.iter().copied());
+        search.climb_on(run, Pace::LONG)?;
+    }
     for plan in plans {
-        if near || run.stopped || run.rows.equations() > TOO_MANY || wanted && search.reaches(target) {
+        if ended(run, search) {
             break;
         }
         let mut drives = Vec::new();

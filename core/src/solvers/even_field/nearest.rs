@@ -9,7 +9,6 @@
 use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::Error;
-use crate::problem::judgement::MISS;
 use crate::problem::{Problem, Solution, Status};
 use crate::scene::Aim;
 use crate::solvers::common::least_squares::{LeastSquares, Task, least_squares, with_amplitudes};
@@ -115,7 +114,7 @@ pub(super) fn nearer(
     first.quantize(1.0, work, control)?;
     second.quantize(1.0, work, control)?;
     let misses = [&first, &second].map(|solution| problem.miss(solution, quiet));
-    if misses[1] <= BETTER * misses[0] && (uneven || misses[1] <= MISS.max(MUCH * misses[0])) {
+    if misses[1] <= BETTER * misses[0] && (uneven || misses[1] <= MUCH * misses[0]) {
         first.recycle(work);
         return Ok(second);
     }

@@ -28,9 +28,9 @@ pub(super) struct Course {
 
 impl Course {
     /// The first part of a path of crowded points. After it F shows how loud the field will be at the end.
-    pub(super) const FIRST: Self = Self { from: 1.0, to: CULL, factor: 0.6 };
+    pub(super) const FIRST: Self = Self { from: 3.0, to: CULL, factor: 0.7 };
     /// The rest of the path of crowded points. With a smaller factor they lose some of their level.
-    pub(super) const REST: Self = Self { from: CULL, to: 5e-5, factor: 0.75 };
+    pub(super) const REST: Self = Self { from: CULL, to: 2e-4, factor: 0.75 };
     /// A slow rest, for the field that is even where the other one is not.
     pub(super) const SLOW_REST: Self = Self { factor: 0.85, ..Self::REST };
     /// The path of separate points whose level was lost on the way to an even field.

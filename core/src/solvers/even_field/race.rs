@@ -186,17 +186,27 @@ impl<'w> Search<'w> {
                 break;
             }
             raise(run, &starts, start, &mut self.trial);
-            climb(run, Pace::SHORT, &mut self.trial)?;
-            let level = self.trial.level(rows);
-            polish(run, Manner::silent(level, run.plan.quiet), &mut self.trial)?;
-            let even = self.unevenness(run) <= run.plan.tolerance.max(2.0 * NEARLY);
-            self.offer(rows, even);
+            self.climb_on(run, Pace::SHORT)?;
         }
         Ok(())
     }
 
-    /// Follows the path of crowded points from the best field, from some `drives` and from the starts of a plan. The
-    /// loudest fields are followed to the end.
+    /// Raises the level of the trial by an ascent, and makes it even.
+    ///
+    /// # Errors
+    /// More memory than allowed is needed.
+    pub(super) fn climb_on(&mut self, run: &mut Run<'_, '_, 'w>, pace: Pace) -> Result<(), Error> {
+        climb(run, pace, &mut self.trial)?;
+        let level = self.trial.level(run.rows);
+        polish(run, pace.manner(level, run.plan.quiet), &mut self.trial)?;
+        let alone = run.rows.targeted == run.rows.order.len();
+        let even = self.unevenness(run) <= run.plan.tolerance.max(if alone { CLOSE } else { 2.0 * NEARLY });
+        self.offer(run.rows, even);
+        Ok(())
+    }
+
+    /// Follows the path of crowded points from some `drives`, or from the best field if there are none, and from the starts
+    /// of a plan. The loudest fields are followed to the end.
     ///
     /// # Errors
     /// More memory than allowed is needed.
@@ -211,8 +221,10 @@ impl<'w> Search<'w> {
         let alone = rows.targeted == rows.order.len();
         let mut ahead = Leaders::new();
         run.plan = if alone { plan } else { plan.for_quiet() };
-        self.trial.copy(&self.best);
-        self.set_out(run, &mut ahead)?;
+        if drives.is_empty() {
+            self.trial.copy(&self.best);
+            self.set_out(run, &mut ahead)?;
+        }
         for drive in drives {
             self.trial.play_at_full(rows, drive.iter().copied());
             self.set_out(run, &mut ahead)?;
@@ -271,28 +283,22 @@ impl<'w> Search<'w> {
         for wave in ahead.fields() {
             self.trial.copy(wave);
             if !alone {
-                climb(run, Pace::REST, &mut self.trial)?;
-                let level = self.trial.level(rows);
-                polish(run, Manner::crowded(level), &mut self.trial)?;
-            } else {
-                let rest = path::follow(
-                    run,
-                    if run.plan.wide { Course::SLOW_REST } else { Course::REST },
-                    CLOSE,
-                    &mut self.trial,
-                )?;
-                if !run.plan.wide && self.unevenness(run) <= CLOSE {
-                    let mut close = Wave::new(rows, run.work);
-                    close.copy(&self.trial);
-                    path::follow(run, rest, NEARLY, &mut self.trial)?;
-                    if self.unevenness(run) > NEARLY {
-                        core::mem::swap(&mut self.trial, &mut close);
-                    }
+                self.climb_on(run, Pace::REST)?;
+                continue;
+            }
+            let course = if run.plan.wide { Course::SLOW_REST } else { Course::REST };
+            let rest = path::follow(run, course, CLOSE, &mut self.trial)?;
+            if !run.plan.wide && self.unevenness(run) <= CLOSE {
+                let mut close = Wave::new(rows, run.work);
+                close.copy(&self.trial);
+                path::follow(run, rest, NEARLY, &mut self.trial)?;
+                if self.unevenness(run) > NEARLY {
+                    core::mem::swap(&mut self.trial, &mut close);
                 }
             }
-            // An uneven field without quiet points is better than an even field that is much weaker.
-            let even = self.unevenness(run) <= run.plan.tolerance.max(if alone { CLOSE } else { 2.0 * NEARLY });
-            if even && (self.even || !alone || self.trial.lowest(rows) >= FAINT * self.lowest) {
+            // An uneven field is better than an even field that is much weaker.
+            let even = self.unevenness(run) <= run.plan.tolerance.max(CLOSE);
+            if even && (self.even || self.trial.lowest(rows) >= FAINT * self.lowest) {
                 self.offer(rows, true);
             }
         }
