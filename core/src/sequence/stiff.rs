@@ -32,7 +32,7 @@ use crate::sequence::ahead::{Ahead, transpose};
 use crate::sequence::even_out::neighbours;
 use crate::sequence::frames::{Frames, TOGETHER};
 use crate::sequence::track::{Circle, Ends, Tracker};
-use crate::solvers::even_field::traps_between::{Neighbours, carry_along, exchange, improve};
+use crate::solvers::even_field::traps::between::{Neighbours, carry_along, exchange, improve};
 use crate::workspace::Workspace;
 
 /// Number of sweeps over all frames.

@@ -13,7 +13,7 @@ use crate::error::{ErrorCode, Notice};
 use crate::math;
 use crate::problem::{Beyond, Problem, Solution};
 use crate::scene::Aim;
-use crate::solvers::even_field::silence::silenceable;
+use crate::solvers::even_field::quiet::silenceable;
 use crate::solvers::last::Last;
 use crate::solvers::method::Solve;
 use crate::solvers::registry::SOLVERS;

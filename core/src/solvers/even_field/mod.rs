@@ -16,31 +16,18 @@
 //!
 //! Rows of G are divided by their targets, so that all points request the same pressure; the quiet points come last.
 
-pub(crate) mod answer;
-pub(crate) mod ascent;
-pub(crate) mod coarse;
-pub(crate) mod coincident;
-pub(crate) mod cones;
-pub(crate) mod even;
-pub(crate) mod few;
-mod fixed_foci;
+mod ascent;
+mod even;
+pub(crate) mod grid;
 pub(crate) mod nearest;
 pub(crate) mod newton;
-pub(crate) mod on_grid;
-pub(crate) mod path;
-pub(crate) mod point_phases;
-pub(crate) mod race;
-pub(crate) mod regular;
-mod rest_on_grid;
+mod path;
+pub(crate) mod quiet;
+mod race;
 pub(crate) mod run;
-pub(crate) mod silence;
-pub(crate) mod soft_minimum;
-pub(crate) mod targets;
+mod starts;
+mod sweeps;
 pub(crate) mod traps;
-pub(crate) mod traps_between;
-pub(crate) mod traps_within;
-pub(crate) mod weighted_sweeps;
-pub(crate) mod within;
 
 use alloc::vec::Vec;
 
@@ -52,13 +39,13 @@ use crate::problem::{Problem, Solution, Status};
 use crate::scene::Aim;
 use crate::solvers::common::least_squares::Task;
 use crate::solvers::common::tiled::Rows;
-use crate::solvers::even_field::answer::Answer;
 use crate::solvers::even_field::ascent::Pace;
 use crate::solvers::even_field::even::{MOST_STEPS, Manner};
-use crate::solvers::even_field::point_phases::Foci;
+use crate::solvers::even_field::grid::Answer;
+use crate::solvers::even_field::quiet::Silence;
 use crate::solvers::even_field::race::{Found, Search};
 use crate::solvers::even_field::run::{Plan, Run, TOO_MANY};
-use crate::solvers::even_field::silence::Silence;
+use crate::solvers::even_field::starts::Foci;
 use crate::workspace::Workspace;
 
 /// Dependence of the points of a scene on each other. It decides which steps make their field even.
@@ -146,14 +133,14 @@ fn even(problem: &Problem, plans: &[Plan], work: &Workspace, control: &mut Contr
     }
     lift_to_target(&mut run, &mut search)?;
     let Search { mut best, even, .. } = search;
-    if !traps::stiffen(&mut run, &mut best)? {
-        let board = coarse::board(&run).filter(|_| plans.iter().any(|plan| plan.wide));
+    if !traps::stiffest::stiffen(&mut run, &mut best)? {
+        let board = grid::board(&run).filter(|_| plans.iter().any(|plan| plan.wide));
         let free = board.map(|board| (board, best.drives(problem.propagation().transducers(), work)));
-        on_grid::bring(&mut run, even, &mut best);
+        grid::bring(&mut run, even, &mut best);
         if let Some((board, free)) = free
             && !run.stopped
         {
-            coarse::raise(&mut run, board, &free, &mut best)?;
+            grid::raise(&mut run, board, &free, &mut best)?;
         }
     }
     let drive = best.drives(problem.propagation().transducers(), work);
@@ -184,7 +171,7 @@ fn make_even<'w>(
         }
         return Ok(if search.even { Regime::Silent } else { Regime::Crowded });
     }
-    let symmetric = run.problem.propagation().control_points().is_some_and(|points| regular::regular(points, run.work));
+    let symmetric = run.problem.propagation().control_points().is_some_and(|points| starts::regular(points, run.work));
     for plan in plans {
         let mut found = search.separate(run, foci, *plan)?;
         if !plan.wide && !run.problem.has_start() && (symmetric || found == Found::Lossy) {
@@ -212,7 +199,7 @@ fn raise<'w>(
     plans: &[Plan],
 ) -> Result<Option<Vec<Complex32>>, Error> {
     let (target, given) = (run.rows.target, run.problem.has_start());
-    let nearest = if given { None } else { Some(targets::approach(run, search)?) };
+    let nearest = if given { None } else { Some(nearest::approach(run, search)?) };
     // If all targets are nearly met, no other level is searched.
     let wanted = run.problem.aim() == Aim::Target;
     let near = wanted && nearest.as_ref().is_some_and(|nearest| nearest.near);
@@ -233,7 +220,7 @@ fn raise<'w>(
         if let Some(nearest) = &nearest {
             drives.extend((!plan.wide).then(|| nearest.drive.clone()));
             for &part in plan.louder() {
-                drives.push(targets::nearest_to(run, part)?.drive);
+                drives.push(nearest::nearest_to(run, part)?.drive);
             }
         }
         search.race(run, foci, *plan, &drives)?;

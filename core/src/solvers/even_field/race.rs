@@ -12,14 +12,12 @@ use crate::rng::Rng;
 use crate::scene::Aim;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::ascent::{Pace, climb};
-use crate::solvers::even_field::cones;
 use crate::solvers::even_field::even::{MOST_STEPS, Manner, Polish, polish};
-use crate::solvers::even_field::few::{self, FEW};
 use crate::solvers::even_field::newton::Newton;
 use crate::solvers::even_field::path::{self, CULL, Course};
-use crate::solvers::even_field::point_phases::{Foci, Starts};
 use crate::solvers::even_field::run::{FEW_ENOUGH, Plan, Run};
-use crate::solvers::even_field::weighted_sweeps::raise;
+use crate::solvers::even_field::starts::{FEW, Foci, Starts, cone, loudest_of_few};
+use crate::solvers::even_field::sweeps::raise;
 use crate::workspace::Workspace;
 
 /// Points are crowded if at least two, and at least this part, of them depend on others, and the condition of [`KEPT`]
@@ -150,7 +148,7 @@ impl<'w> Search<'w> {
         let rows = run.rows;
         let leaders = core::mem::replace(&mut self.leaders, Leaders::new());
         if run.plan.wide && rows.targeted == rows.order.len() && rows.targeted <= FEW {
-            if let Some(start) = few::start(run)? {
+            if let Some(start) = loudest_of_few(run)? {
                 run.plan.sweeps = 0;
                 raise(run, &start, 0, &mut self.trial);
                 self.follow(run)?;
@@ -241,7 +239,7 @@ impl<'w> Search<'w> {
             return self.arrive(run, &ahead);
         }
         for &place in plan.cones() {
-            let Some(start) = cones::start(run, foci, place) else { break };
+            let Some(start) = cone(run, foci, place) else { break };
             for sweeps in [0, SWEEPS] {
                 run.plan.sweeps = sweeps;
                 raise(run, &start, 0, &mut self.trial);

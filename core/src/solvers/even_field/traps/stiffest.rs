@@ -1,6 +1,6 @@
 //! Traps without pressures: turns the phases until the softest of all traps is as stiff as possible.
 //!
-//! Foci beside the traps keep their pressures ([`crate::solvers::even_field::fixed_foci`]).
+//! Foci beside the traps keep their pressures ([`crate::solvers::even_field::traps::foci`]).
 //!
 //! The objective is the soft minimum ([`soft_minimum`]) of K_ja, the stiffness at point j along its axis a, relative to
 //! the least stiffness at the start of a stage. Subtracted from it is the mean square of the distances |H|^-1 (F - m g)
@@ -25,10 +25,9 @@ use crate::propagation::jet::TERMS;
 use crate::scene::{Aim, Signature, dot};
 use crate::solvers::common::phase_descent::{Cost, PhaseDescent};
 use crate::solvers::common::tiled::{Rows, Wave};
-use crate::solvers::even_field::fixed_foci::{FixedFoci, Off};
-use crate::solvers::even_field::rest_on_grid;
 use crate::solvers::even_field::run::Run;
-use crate::solvers::even_field::soft_minimum;
+use crate::solvers::even_field::traps::foci::{FixedFoci, Off};
+use crate::solvers::even_field::traps::on_grid;
 use crate::workspace::Workspace;
 
 /// For each stage, the sharpness of the soft minimum and the weight of the resting places.
@@ -84,7 +83,7 @@ impl<'a> Softest<'a> {
     /// Returns the cost of a field.
     pub(super) fn of_field(&self, field: [&[f32]; 2]) -> f64 {
         let fixed = self.fixed.cost(self.fixed.off(self.stiffness, field).map(|focus| focus.part));
-        soft_minimum::negated(self.parts(field).into_iter(), self.stage.0) + self.apart(field).0 + fixed
+        soft_minimum(self.parts(field).into_iter(), self.stage.0) + self.apart(field).0 + fixed
     }
 
     /// Returns the field of a wave plus the field `beside`.
@@ -123,7 +122,7 @@ impl Cost for Softest<'_> {
         let field = self.field_at(wave);
         let field = [&field[0][..], &field[1]];
         let parts = self.parts(field);
-        let (least, sum) = soft_minimum::shares(parts.iter().copied(), self.stage.0);
+        let (least, sum) = shares(parts.iter().copied(), self.stage.0);
         let share = |k: &f64| math::exp(self.stage.0 * (least - k)) / (-self.unit * sum);
         let weights: Vec<f64> = parts.iter().map(share).collect();
         self.stiffness.pull(field, &weights, &self.apart(field).1, pulls.each_mut().map(|plane| &mut **plane));
@@ -178,7 +177,7 @@ pub(super) fn rows<'w>(
 ///
 /// # Errors
 /// More memory than allowed is needed.
-pub(super) fn stiffen(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
+pub(in crate::solvers::even_field) fn stiffen(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     match if run.stopped { Ok(false) } else { descend(run, foci) } {
         Err(error) if error.is_stop() => {
             run.stopped = true;
@@ -222,7 +221,7 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     let mut drive = descent.wave.drives(transducers, work);
     if let Some(quantization) = problem.quantization() {
         let unit = Softest::new((&traps, &fixed), planes(&descent.wave), STAGES[1]).unit;
-        rest_on_grid::bring(set, (&traps, &fixed, unit), quantization, (&[], f32::INFINITY), &mut drive);
+        on_grid::bring(set, (&traps, &fixed, unit), quantization, (&[], f32::INFINITY), &mut drive);
     }
     foci.play(run.rows, drive.into_iter());
     Ok(true)
@@ -234,4 +233,16 @@ pub(super) fn planes<'a>(wave: &'a Wave) -> [&'a [f32]; 2] {
 
 fn least(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+/// Returns -min x + 1/s ln sum_k e^{-s (x_k - min x)}, the negative soft minimum of some values with the sharpness s.
+pub(super) fn soft_minimum(values: impl Iterator<Item = f64> + Clone, sharpness: f64) -> f64 {
+    let (least, sum) = shares(values, sharpness);
+    math::log(sum) / sharpness - least
+}
+
+/// Returns the least value, and the sum of all e^{-s (x - min x)}; each term over the sum is the share of a value.
+fn shares(values: impl Iterator<Item = f64> + Clone, sharpness: f64) -> (f64, f64) {
+    let least = values.clone().fold(f64::INFINITY, f64::min);
+    (least, values.map(|x| math::exp(sharpness * (least - x))).sum())
 }

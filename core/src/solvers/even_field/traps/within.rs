@@ -32,9 +32,9 @@ use crate::propagation::forces::stiffness::Stiffness;
 use crate::scene::{distance, dot};
 use crate::solvers::common::phase_descent::PhaseDescent;
 use crate::solvers::common::tiled::Wave;
-use crate::solvers::even_field::fixed_foci::FixedFoci;
-use crate::solvers::even_field::rest_on_grid;
-use crate::solvers::even_field::traps::{self, Softest, planes};
+use crate::solvers::even_field::traps::foci::FixedFoci;
+use crate::solvers::even_field::traps::on_grid;
+use crate::solvers::even_field::traps::stiffest::{self, Softest, planes};
 use crate::solvers::last::{Last, settled};
 use crate::workspace::Workspace;
 
@@ -68,12 +68,12 @@ pub(crate) struct Turn {
 /// # Errors
 /// More memory than allowed, a stop.
 pub(crate) fn requested(problem: &Problem, last: &mut Last, control: &mut Control) -> Result<Option<Moving>, Error> {
-    let Some(traps) = traps::requested(problem, control)? else { return Ok(None) };
+    let Some(traps) = stiffest::requested(problem, control)? else { return Ok(None) };
     let foci = !traps.chosen()[1].is_empty();
     if foci && last.weights.len() != 1 {
         let field = traps.field(&last.played);
         last.weights.clear();
-        last.weights.push(traps::level(&traps, problem, [&field[0], &field[1]]) as f32);
+        last.weights.push(stiffest::level(&traps, problem, [&field[0], &field[1]]) as f32);
     }
     let level = if foci { f64::from(last.weights[0]) } else { 1.0 };
     let fixed = FixedFoci::of(&traps, problem, level);
@@ -182,7 +182,7 @@ pub(crate) fn stiffen(
     work: &Workspace,
     control: &mut Control,
 ) -> Result<(), Error> {
-    let mut rows = traps::rows(traps, (problem.propagation().instruction_set(), last.played.len()), work, control)?;
+    let mut rows = stiffest::rows(traps, (problem.propagation().instruction_set(), last.played.len()), work, control)?;
     let mut own = Wave::new(&rows, work);
     let beside = (kept > 0.0).then(|| {
         own.play(&rows, last.envelope.iter().map(|y| y * kept as f32));
@@ -245,7 +245,7 @@ fn bring(
     let before = before.each_ref().map(|plane| &plane[..]);
     let cost = Softest::last((traps, fixed), before, None);
     let set = problem.propagation().instruction_set();
-    rest_on_grid::bring(set, (traps, fixed, cost.unit), board, (&[&last.played], most), drive);
+    on_grid::bring(set, (traps, fixed, cost.unit), board, (&[&last.played], most), drive);
     let after = traps.field(drive);
     let better = cost.of_field([&after[0], &after[1]]) < cost.of_field(before);
     if !better {

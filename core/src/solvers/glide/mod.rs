@@ -11,10 +11,12 @@
 //! little: the waves to the points nearly cancel there. With an envelope of time constant tau, y' = (q - y)/tau, the
 //! field at a frame's end is P = a G y + (1 - a) G q with a = e^{-1/(rate tau)}. This field is made even.
 //!
-//! Traps without requested pressures are made stiff instead ([`traps_within`]), in twice as many steps.
+//! Traps without requested pressures are made stiff instead ([`within`]), in twice as many steps.
 //!
 //! All drives are relative to the last ones: G's columns are multiplied by q', and the bound is an arc around 1, or a
 //! largest code on a board's grid.
+
+mod arc;
 
 use core::f64::consts::{PI, TAU};
 
@@ -32,10 +34,10 @@ use crate::problem::{Problem, Solution, Status};
 use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field;
-use crate::solvers::even_field::answer::Answer;
+use crate::solvers::even_field::grid::Answer;
 use crate::solvers::even_field::run::{Plan, QUIET, SWEEPS};
-use crate::solvers::even_field::traps_within::{self, Turn};
-use crate::solvers::even_field::within::{Steps, even_within};
+use crate::solvers::even_field::traps::within::{self, Turn};
+use crate::solvers::glide::arc::{Steps, even_within};
 use crate::solvers::last::Last;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Buffer, Workspace};
@@ -161,18 +163,18 @@ impl Glide {
         control: &mut Control,
     ) -> Result<Solution, Error> {
         let mut frame = Frame::new(self, free, problem, last, work, control)?;
-        let Some(mut traps) = traps_within::requested(problem, last, control)? else {
+        let Some(mut traps) = within::requested(problem, last, control)? else {
             frame.sweep(self, control)?;
             let status = frame.level(self, problem, work, control)?;
             frame.keep_foci(problem, last, work, control)?;
             return frame.answer(problem, status, last, work, control);
         };
-        let motion = traps_within::accelerate(&mut traps, problem, self.rate, last);
+        let motion = within::accelerate(&mut traps, problem, self.rate, last);
         let turn = Turn { arc: frame.arc, steps: 2 * self.steps, kept: f64::from(1.0 - frame.part) };
         let relative = frame.wave.drive.each_mut().map(|plane| &mut plane[..]);
-        traps_within::stiffen(&traps, problem, last, turn, relative, work, control)?;
+        within::stiffen(&traps, problem, last, turn, relative, work, control)?;
         let drives = frame.wave.drives(last.played.len(), work);
-        let played = traps_within::keep(&traps, problem, frame.most, &drives, last);
+        let played = within::keep(&traps, problem, frame.most, &drives, last);
         frame.wave.play(&frame.rows, played.into_iter());
         work.complexes.give(drives);
         last.motion = motion;

@@ -1,4 +1,7 @@
-//! Coarse: searches the drives of a board with few phases for the loudest weakest point; transducers may be off.
+//! Grid: brings an even field to a board's phases and amplitudes, and reduces it to the targets.
+//!
+//! Error diffusion rounds to eight or more phases. With fewer, two neighbouring codes are tried for each transducer, and
+//! [`raise`] searches for the loudest weakest point; transducers may be off:
 //!
 //! ```text
 //! E = sum_j (s/|P_j|)^2p,  p = 4, 8, 16           each change of a transducer to another code of the grid lowers E
@@ -7,16 +10,21 @@
 //! s is the mean of |P_j|. Two phases leave errors of a tenth at every point. A common phase of all drives changes
 //! which way each of them is rounded, so several common phases are tried.
 
+use alloc::vec::Vec;
+
 use num_complex::Complex32;
 
-use crate::control::bytes;
+use crate::control::{Control, bytes};
 use crate::device::quantization::Quantization;
 use crate::error::Error;
+use crate::kernels::tiles::error_diffusion::{Choice, Task, diffuse, floats};
 use crate::math::phasor;
-use crate::solvers::common::tiled::Wave;
-use crate::solvers::even_field::on_grid::FEWEST;
+use crate::problem::{Problem, Solution, Status};
+use crate::scene::Aim;
+use crate::solvers::common::refinement::refine;
+use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::run::Run;
-use crate::workspace::Buffer;
+use crate::workspace::{Buffer, Workspace};
 
 /// Number of angles by which the drive is turned before it is rounded. Each turned drive is a start of the search,
 /// besides the rounded drive itself.
@@ -168,5 +176,120 @@ impl<'a, 'w> Search<'a, 'w> {
         }
         *q = code;
         true
+    }
+}
+
+/// Least number of phases for error diffusion. Fewer are too far apart for tangents: it would lose a tenth of the
+/// level.
+pub(super) const FEWEST: u32 = 8;
+
+/// Rounds `wave` to the board's grid, if it has one and the run was not stopped, and computes its field again. The
+/// points stay as even as the grid allows. A field that is not `even` has errors too large for the next transducers to
+/// correct: the neighbouring codes are searched, too. After a stop the drive is partly unchanged.
+pub(super) fn bring(run: &mut Run, even: bool, wave: &mut Wave<'_>) {
+    if let Some(quantization) = run.problem.quantization()
+        && !run.stopped
+    {
+        run.stopped = round(run, quantization, even, wave).is_err();
+    }
+}
+
+fn round(run: &mut Run, quantization: &Quantization, even: bool, wave: &mut Wave<'_>) -> Result<(), Error> {
+    let (problem, rows, work, control) = (run.problem, run.rows, run.work, &mut *run.control);
+    let points = rows.order.len();
+    if let Some(phases) = &quantization.grid().phases
+        && even
+        && points > 1
+        && quantization.phases() >= Some(FEWEST)
+    {
+        let mut weights = work.floats.take_any(points);
+        for (weight, &j) in weights.iter_mut().zip(&rows.order) {
+            *weight = problem.weights()[j as usize];
+        }
+        let mut memory = work.floats.take_any(floats(points));
+        let mut codes = work.floats.take_any(rows.lanes);
+        let task = Task {
+            tiles: rows.tiles(),
+            choice: Choice::even(phases, f32::INFINITY),
+            weights: &weights,
+            targeted: rows.targeted,
+            memory: &mut memory,
+        };
+        let drive = wave.drive.each_mut().map(|plane| &mut plane[..]);
+        let field = wave.field.each_ref().map(|plane| &plane[..points]);
+        diffuse(rows.set, task, drive, field, &mut codes, control)?;
+        wave.hear(rows);
+    } else {
+        let mut drive = wave.drives(problem.propagation().transducers(), work);
+        if points > 1 {
+            refine(problem, &mut drive, work, control);
+        } else {
+            // A single point is even with any codes.
+            quantization.grid().round(rows.set, 1.0, [1.0; 2], &mut drive);
+        }
+        wave.play(rows, drive.iter().copied());
+        work.complexes.give(drive);
+    }
+    Ok(())
+}
+
+/// Full drives (N,), on the board's grid if it has phases, and the status of the search.
+pub(crate) struct Answer {
+    pub(crate) drive: Vec<Complex32>,
+    pub(crate) status: Status,
+    /// Steps done, and steps planned.
+    pub(crate) steps: (usize, usize),
+    /// Whether a level between two amplitudes of the board is a mix of both.
+    pub(crate) mixed: bool,
+}
+
+impl Answer {
+    /// Reduces the drives to the problem's targets if they are louder; `wave` is their field at the rows. Returns the
+    /// solution.
+    ///
+    /// # Errors
+    /// More memory than allowed is needed.
+    pub(crate) fn brought_down(
+        self,
+        problem: &Problem,
+        rows: &Rows,
+        wave: &Wave,
+        work: &Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
+        let Self { mut drive, status, steps: (step, steps), mixed } = self;
+        let quantization = problem.quantization();
+        let loudest = wave.moduli[..rows.targeted].iter().copied().fold(0.0, f32::max);
+        let lower = problem.aim() == Aim::Target && loudest > rows.target;
+        let factor = if lower { f64::from(rows.target / loudest) } else { 1.0 };
+        let on_grid =
+            status != Status::Stopped && quantization.is_some_and(|quantization| quantization.phases().is_some());
+        // True if the rows are those of all points of the problem, in its units.
+        let known = rows.order.len() == problem.propagation().points();
+        if mixed && lower {
+            let field = known.then(|| wave.received(problem, rows, 1.0, work));
+            if let Some(mut solution) =
+                Solution::mixed(problem, &mut drive, (factor, field), (status, step), work, control)
+            {
+                solution.tell(problem, steps, control);
+                return Ok(if on_grid { solution.on_grid() } else { solution });
+            }
+        }
+        let (amplitude, scale) = quantization.map_or((factor, 1.0), |quantization| quantization.lowered(factor));
+        for q in &mut drive {
+            *q *= amplitude as f32;
+        }
+        let solution = if known {
+            let field = wave.received(problem, rows, amplitude as f32, work);
+            Solution::of_field(problem, drive, &field, status, step, work, control)?
+        } else {
+            Solution::new(problem, drive, (status, step), steps, work, control)?
+        };
+        let mut solution = solution.scaled(scale);
+        if on_grid {
+            solution = solution.on_grid();
+        }
+        solution.tell(problem, steps, control);
+        Ok(solution)
     }
 }

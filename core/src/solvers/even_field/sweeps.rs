@@ -3,8 +3,8 @@
 use crate::math::sqrtf;
 use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::tiled::Wave;
-use crate::solvers::even_field::point_phases::Starts;
 use crate::solvers::even_field::run::Run;
+use crate::solvers::even_field::starts::Starts;
 
 /// The part of a point's own contribution that is removed from its field before its phase is read. The own contribution
 /// only repeats the old phase. In trials .8 is best or near the best from 4 to 64 points.

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! where c = C q are the derivatives of the field at the points. Each stiffness K changes in the same way, and so does
-//! the error v of each focus with its cost E ([`crate::solvers::even_field::fixed_foci`]). Each drive in turn takes one of
+//! the error v of each focus with its cost E ([`crate::solvers::even_field::traps::foci`]). Each drive in turn takes one of
 //! the three phases around its own: the one with the least |s|^2 + E less the soft minimum of K. A pass begins with the
 //! present places, stiffnesses and errors.
 
@@ -25,8 +25,8 @@ use crate::math;
 use crate::propagation::forces::stiffness::Stiffness;
 use crate::propagation::jet::TERMS;
 use crate::scene::dot;
-use crate::solvers::even_field::fixed_foci::{FixedFoci, Off};
-use crate::solvers::even_field::soft_minimum;
+use crate::solvers::even_field::traps::foci::{FixedFoci, Off};
+use crate::solvers::even_field::traps::stiffest::soft_minimum;
 
 /// Number of passes. The first removes nine tenths of the rounding errors, the others the errors of its linear model.
 const PASSES: usize = 3;
@@ -88,7 +88,7 @@ pub(super) fn bring(
                 let values = moved(to);
                 let (values, foci) = values.split_at(known);
                 let (shifts, stiffness) = values.split_at(places);
-                let soft = soft_minimum::negated(stiffness.iter().map(|k| k / unit), SHARPNESS);
+                let soft = soft_minimum(stiffness.iter().map(|k| k / unit), SHARPNESS);
                 let lost = f64::from((to - requested[i]).norm_sqr()) / requested.len() as f64;
                 share * shifts.iter().map(|s| s * s).sum::<f64>() + fixed.cost(foci.iter().copied()) + soft + lost
             };

@@ -14,13 +14,13 @@ use crate::math;
 use crate::propagation::forces::stiffness::Stiffness;
 use crate::solvers::common::phase_descent::PhaseDescent;
 use crate::solvers::common::tiled::Wave;
-use crate::solvers::even_field::fixed_foci::FixedFoci;
-use crate::solvers::even_field::rest_on_grid;
-use crate::solvers::even_field::traps::{self, Softest, planes};
+use crate::solvers::even_field::traps::foci::FixedFoci;
+use crate::solvers::even_field::traps::on_grid;
+use crate::solvers::even_field::traps::stiffest::{self, Softest, planes};
 use crate::solvers::last::settled;
 use crate::workspace::Workspace;
 
-pub(crate) use crate::solvers::even_field::traps_within::carry_along;
+pub(crate) use crate::solvers::even_field::traps::within::carry_along;
 
 /// The drives (N,) of the frames before and after, where there are such frames, and the bound on the change of a phase:
 /// in rad, and in codes of a board.
@@ -61,7 +61,7 @@ pub(crate) fn improve(
     work: &Workspace,
     control: &mut Control,
 ) -> Result<(), Error> {
-    let mut rows = traps::rows(traps, (set, drive.len()), work, control)?;
+    let mut rows = stiffest::rows(traps, (set, drive.len()), work, control)?;
     let (middles, halves): (Vec<_>, Vec<_>) = (0..drive.len()).map(|i| neighbours.arc(i)).unzip();
     let mut arcs = [(); 2].map(|()| work.floats.take(rows.lanes));
     for (i, &half) in halves.iter().enumerate() {
@@ -100,7 +100,7 @@ pub(crate) fn exchange(
     let cost = Softest::last((traps, &fixed), before, None);
     let others: Vec<_> = neighbours.beside.iter().flatten().copied().collect();
     let mut changed = drive.to_vec();
-    rest_on_grid::bring(set, (traps, &fixed, cost.unit), board, (&others, neighbours.codes as f32), &mut changed);
+    on_grid::bring(set, (traps, &fixed, cost.unit), board, (&others, neighbours.codes as f32), &mut changed);
     let after = traps.field(&changed);
     if cost.of_field([&after[0], &after[1]]) < cost.of_field(before) {
         drive.copy_from_slice(&changed);

@@ -1,21 +1,27 @@
-//! Point phases to start from: the foci of the points reinforce each other.
+//! Starts: point phases from which a search begins, so that the foci of the points reinforce each other.
 //!
 //! The drive b = G^H v has the energy v^H (G G^H) v. The moduli of v are fixed. Each phase in turn is set to that of
 //! the other points' waves at its point. This is Gerchberg-Saxton as in GS-PAT, but point after point and without a
 //! point's own contribution, which would only keep the old phase. A single start is computed from G itself. Several
 //! starts, or that of few points, use the M x M matrix of couplings, sixteen side by side.
+//!
+//! Two or three points start from the phases of their highest level, found by branch and bound. Rings, grids and lines
+//! have equal couplings, for which a single start is sometimes bad. Crowded points also start from cones: waves with one
+//! focus in front of or behind all points, whose fields are smooth there.
 
 use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::kernels::tiles::{phases, products};
 use crate::kernels::{InstructionSet, LANES};
-use crate::math::sqrtf;
+use crate::math::{phasor, sqrt, sqrtf};
 use crate::problem::Problem;
+use crate::problem::optimum::{self, Effort};
 use crate::rng::Rng;
+use crate::scene::distance;
 use crate::solvers::common::alternating_projection::start_phasors;
 use crate::solvers::common::tiled::Rows;
-use crate::solvers::even_field::coincident::merge;
-use crate::solvers::even_field::run::Plan;
+use crate::solvers::even_field::quiet::merge;
+use crate::solvers::even_field::run::{Plan, Run};
 use crate::workspace::{Buffer, Workspace};
 
 /// Number of rounds over the points with the M x M matrix: in trials eight reach the energy within a thousandth.
@@ -26,10 +32,10 @@ const ROUNDS: usize = 8;
 const ROUNDS_ALONE: usize = 3;
 
 /// Up to this number of points the matrix takes less time than the rounds with G.
-const FEW: usize = 16;
+const FEW_COUPLED: usize = 16;
 
 /// Starts whose energies differ by less than this part count as the same start.
-const ALIKE: f32 = 1e-5;
+const SAME: f32 = 1e-5;
 
 /// Sets of point phases from which a search starts, the best first.
 pub(super) struct Starts<'w> {
@@ -119,7 +125,7 @@ impl<'w> Starts<'w> {
         work: &'w Workspace,
         control: &mut Control,
     ) -> Result<Self, Error> {
-        if rows.targeted <= FEW {
+        if rows.targeted <= FEW_COUPLED {
             return Couplings::new(rows, powers, work, control)?.alone(weights, visits, work, control);
         }
         let mut phasors = [(); 2].map(|()| work.floats.take(rows.targeted));
@@ -255,7 +261,7 @@ impl<'w> Couplings<'w> {
             if energy < 0.0 {
                 break;
             }
-            if energy >= last * (1.0 - ALIKE) {
+            if energy >= last * (1.0 - SAME) {
                 continue;
             }
             last = energy;
@@ -271,4 +277,97 @@ impl<'w> Couplings<'w> {
         }
         Ok(starts)
     }
+}
+
+/// Largest number of targets. The search of the phases takes milliseconds for three points, and a hundred times as long
+/// for four.
+pub(super) const FEW: usize = 3;
+
+/// Effort of the search. It is small, because later steps improve the field.
+const EFFORT: Effort = Effort { gap: 1e-4, boxes: 512 };
+
+/// Returns the point phases and weights of the highest level; `None` after a stop.
+///
+/// # Errors
+/// More memory than allowed is needed.
+pub(super) fn loudest_of_few<'w>(run: &mut Run<'_, '_, 'w>) -> Result<Option<Starts<'w>>, Error> {
+    let (rows, work) = (run.rows, run.work);
+    let mut own = [(); 2].map(|()| work.floats.take(rows.lanes));
+    let mut planes = [(); 2].map(|()| work.doubles.take(rows.targeted * rows.lanes));
+    for k in 0..rows.targeted {
+        rows.conjugate(k, own.each_mut().map(|plane| &mut plane[..]));
+        for (plane, own) in planes.iter_mut().zip(&own) {
+            let to = &mut plane[k * rows.lanes..][..rows.lanes];
+            to.iter_mut().zip(own).for_each(|(to, own)| *to = f64::from(*own));
+        }
+    }
+    // The planes contain conj(G), so the found phases are the negatives of the wanted ones.
+    let planes = planes.each_ref().map(|plane| &plane[..]);
+    let found = match optimum::search(rows.set, planes, rows.targeted, EFFORT, work, run.control) {
+        Err(error) if error.is_stop() => {
+            run.stopped = true;
+            return Ok(None);
+        }
+        found => found?,
+    };
+    let mut weights = work.floats.take(rows.targeted);
+    let mut phasors = [(); 2].map(|()| work.floats.take(rows.targeted));
+    for k in 0..rows.targeted {
+        let v = phasor(-found.phases[k]);
+        (phasors[0][k], phasors[1][k]) = (v.re as f32, v.im as f32);
+        weights[k] = found.weights[k] as f32;
+    }
+    Ok(Some(Starts { count: 1, weights, phasors, echoes: work.floats.take(1) }))
+}
+
+/// Distances that agree within this part count as equal.
+const ALIKE: f32 = 1e-3;
+
+/// Largest number of points checked: the loop is quadratic.
+const MOST_CHECKED: usize = 256;
+
+/// Returns whether three quarters of the points are at equal distances from their nearest neighbours. Of random
+/// points at most half have equal distances: those in pairs that are each other's nearest neighbours.
+pub(super) fn regular(points: &[[f64; 3]], work: &Workspace) -> bool {
+    if !(3..=MOST_CHECKED).contains(&points.len()) {
+        return false;
+    }
+    let nearest = |j: usize| {
+        let others = (0..points.len()).filter(|&k| k != j);
+        others.map(|k| distance(points[j], points[k])).fold(f64::INFINITY, f64::min)
+    };
+    let mut distances = work.floats.take(points.len());
+    distances.iter_mut().enumerate().for_each(|(j, distance)| *distance = nearest(j) as f32);
+    distances.sort_unstable_by(f32::total_cmp);
+    let middle = distances[points.len() / 2];
+    let alike = distances.iter().filter(|distance| (**distance - middle).abs() <= ALIKE * middle).count();
+    4 * alike >= 3 * points.len()
+}
+
+/// Distances of the focus from the middle of the points, away from the array, relative to their root mean square
+/// distance.
+const PLACES: [f64; 6] = [1.0, 2.0, 4.0, -1.0, -2.0, -4.0];
+
+/// Returns the phases of a cone at the points; `None` if the points have no known places.
+pub(super) fn cone<'w>(run: &Run<'_, '_, 'w>, foci: &Foci, which: usize) -> Option<Starts<'w>> {
+    let (rows, work, setup) = (run.rows, run.work, run.problem.setup());
+    let points = run.problem.propagation().control_points()?;
+    let at = |k: usize| points[rows.order[k] as usize];
+    let middle = |places: &mut dyn Iterator<Item = [f64; 3]>, count: usize| {
+        places.fold([0.0; 3], |sum, place| [0, 1, 2].map(|axis| sum[axis] + place[axis] / count as f64))
+    };
+    let positions = setup.positions.as_ref()?;
+    let array = middle(&mut positions.iter().copied(), positions.len());
+    let centre = middle(&mut (0..rows.targeted).map(at), rows.targeted);
+    let spread = (0..rows.targeted).map(|k| distance(at(k), centre)).map(|r| r * r).sum::<f64>() / rows.targeted as f64;
+    let (place, away) = (PLACES[which], distance(array, centre).max(f64::MIN_POSITIVE));
+    let focus = [0, 1, 2].map(|axis| centre[axis] + place * sqrt(spread) * (centre[axis] - array[axis]) / away);
+    let mut phasors = [(); 2].map(|()| work.floats.take(rows.targeted));
+    for k in 0..rows.targeted {
+        let v = phasor(-place.signum() * setup.medium.wavenumber() * distance(at(k), focus));
+        (phasors[0][k], phasors[1][k]) = (v.re as f32, v.im as f32);
+    }
+    let mut weights = work.floats.take_any(rows.targeted);
+    weights.copy_from_slice(&foci.weights);
+    Some(Starts { count: 1, weights, phasors, echoes: work.floats.take(1) })
 }
