@@ -205,12 +205,56 @@ fn points_that_fill_a_line_or_a_space_are_even_and_loud() {
     let mut rng = midair::Rng::new(1);
     let cube = (0..60).map(|_| [0.0, 0.0, 0.15].map(|middle| middle + 12e-3 * (rng.uniform() - 0.5))).collect();
     let line = (0..31).map(|k| [0.0, 0.0, 0.12 + 2e-3 * f64::from(k)]).collect();
-    for (points, gain) in [(cube, 0.0), (line, 1.05)] {
+    for (points, least) in [(cube, 1.09), (line, 3.0)] {
         let problem = max(problem(&scene(array(), points, None)));
-        let [uniform, best] = [&Uniform::default() as &dyn Solve, &Best::default()].map(|of| solved(&problem, of));
+        let best = solved(&problem, &Best::default());
         let weakest = |solution: &Solution| solution.metrics().accuracy * solution.metrics().uniformity;
         assert_eq!(best.status, Status::Done);
         assert!(best.metrics().uniformity >= 0.99, "{}", best.metrics().uniformity);
-        assert!(weakest(&best) >= gain * weakest(&uniform), "{} {}", weakest(&best), weakest(&uniform));
+        assert!(weakest(&best) >= least, "{}", weakest(&best));
+    }
+}
+
+/// Of two fields the even one is better; of two even fields the one whose weakest point is louder.
+#[test]
+#[ignore = "slow"]
+fn best_is_never_below_uniform() {
+    let ring = |count: u32, radius: f64| {
+        (0..count).map(move |k| {
+            let angle = std::f64::consts::TAU * f64::from(k) / f64::from(count);
+            [radius * angle.cos(), radius * angle.sin(), 0.15]
+        })
+    };
+    let mut scenes: Vec<(Vec<[f64; 3]>, Option<Vec<f64>>)> = Vec::new();
+    for seed in 0..6 {
+        let count = [2, 5, 12, 24, 40, 64][seed as usize];
+        let unequal = (0..count).map(|j| P1 * (1.0 + 9.0 * j as f64 / count as f64)).collect();
+        let quiet = (0..count).map(|j| if j % 4 == 3 { 0.0 } else { P1 }).collect();
+        scenes.extend([None, Some(unequal), Some(quiet)].map(|pressures| (random_points(count, 0.1, seed), pressures)));
+    }
+    let mut rng = midair::Rng::new(5);
+    for (count, side) in [(25, 10e-3), (40, 16e-3), (60, 20e-3)] {
+        let cube = (0..count).map(|_| [0.0, 0.0, 0.15].map(|middle| middle + side * (rng.uniform() - 0.5)));
+        scenes.push((cube.collect(), None));
+    }
+    scenes.push((ring(40, 0.02).collect(), None));
+    let disc = (0..81).map(|k| [2e-3 * f64::from(k % 9 - 4), 2e-3 * f64::from(k / 9 - 4), 0.15]);
+    let lit = ring(8, 0.025).map(|point| (point, P1));
+    scenes.push({
+        let (points, pressures): (Vec<_>, Vec<_>) = lit.chain(disc.map(|point| (point, 0.0))).unzip();
+        (points, Some(pressures))
+    });
+    for (number, (points, pressures)) in scenes.into_iter().enumerate() {
+        let problem = max(problem(&scene(array(), points, pressures)));
+        let [uniform, best] = [&Uniform::default() as &dyn Solve, &Best::default()].map(|of| solved(&problem, of));
+        let order = |solution: &Solution| {
+            let metrics = solution.metrics();
+            (solution.status == Status::Done, metrics.level * metrics.uniformity)
+        };
+        let (below, above) = (order(&uniform), order(&best));
+        assert!(
+            above.0 >= below.0 && (above.0 > below.0 || above.1 >= below.1 * (1.0 - 1e-4)),
+            "{number}: {below:?} {above:?}"
+        );
     }
 }

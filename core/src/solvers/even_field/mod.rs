@@ -1,15 +1,14 @@
-//! Even fields at the highest common level. The method is sweeps, the shortest steps to an even field, and a path where
-//! these steps lose level:
+//! Even fields at the highest common level: starts, sweeps, even, path, grid.
 //!
-//! 1. *Starts* ([`point_phases`]): point phases that reinforce each other; `best` has more of them, and those of the
-//!    highest level of [`few`] points.
-//! 2. *Sweeps* ([`weighted_sweeps`]): weighted Gerchberg-Saxton with |q| = 1 raises the weakest points.
+//! 1. *Starts* ([`starts`]): point phases that reinforce each other; `best` has more of them.
+//! 2. *Sweeps* ([`sweeps`]): weighted Gerchberg-Saxton with |q| = 1 raises the weakest points.
 //! 3. *Even* ([`even`]): the shortest steps to |P_j| = s t_j, the level s free.
 //! 4. *Path* ([`path`]): the loudest field from uneven to even, if these steps lost level. For crowded points
-//!    ([`Regime`]) it is a [`race`] from several starts. Targets among crowded quiet points have an [`ascent`] instead.
+//!    ([`Regime`]) it is a [`race`] from several starts. Targets among crowded quiet points ([`quiet`]), and the field of
+//!    least squares, have an [`ascent`] instead.
 //! 5. *Lift to the target*, if the steps with a free level ended below it.
-//! 6. *Stiffen*, if the points are traps ([`traps`]; in a sequence of frames [`traps_within`]).
-//! 7. *Grid* ([`on_grid`], with few phases [`coarse`]): rounds to the board's grid; [`answer`] reduces to the targets.
+//! 6. *Stiffen*, if the points are [`traps`].
+//! 7. *Grid* ([`grid`]): rounds to the board's phases and amplitudes, and reduces to the targets.
 //!
 //! If this misses the targets, crowded and quiet points get the drive of least squares ([`nearest`]). Pictures get it
 //! without a search for an even field.

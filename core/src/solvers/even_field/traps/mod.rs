@@ -3,5 +3,6 @@
 pub(crate) mod between;
 mod foci;
 mod on_grid;
+mod soft_minimum;
 pub(crate) mod stiffest;
 pub(crate) mod within;

@@ -26,7 +26,7 @@ use crate::propagation::forces::stiffness::Stiffness;
 use crate::propagation::jet::TERMS;
 use crate::scene::dot;
 use crate::solvers::even_field::traps::foci::{FixedFoci, Off};
-use crate::solvers::even_field::traps::stiffest::soft_minimum;
+use crate::solvers::even_field::traps::soft_minimum;
 
 /// Number of passes. The first removes nine tenths of the rounding errors, the others the errors of its linear model.
 const PASSES: usize = 3;
@@ -88,7 +88,7 @@ pub(super) fn bring(
                 let values = moved(to);
                 let (values, foci) = values.split_at(known);
                 let (shifts, stiffness) = values.split_at(places);
-                let soft = soft_minimum(stiffness.iter().map(|k| k / unit), SHARPNESS);
+                let soft = soft_minimum::negated(stiffness.iter().map(|k| k / unit), SHARPNESS);
                 let lost = f64::from((to - requested[i]).norm_sqr()) / requested.len() as f64;
                 share * shifts.iter().map(|s| s * s).sum::<f64>() + fixed.cost(foci.iter().copied()) + soft + lost
             };

@@ -27,7 +27,7 @@ use crate::solvers::common::phase_descent::{Cost, PhaseDescent};
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::run::Run;
 use crate::solvers::even_field::traps::foci::{FixedFoci, Off};
-use crate::solvers::even_field::traps::on_grid;
+use crate::solvers::even_field::traps::{on_grid, soft_minimum};
 use crate::workspace::Workspace;
 
 /// For each stage, the sharpness of the soft minimum and the weight of the resting places.
@@ -83,7 +83,7 @@ impl<'a> Softest<'a> {
     /// Returns the cost of a field.
     pub(super) fn of_field(&self, field: [&[f32]; 2]) -> f64 {
         let fixed = self.fixed.cost(self.fixed.off(self.stiffness, field).map(|focus| focus.part));
-        soft_minimum(self.parts(field).into_iter(), self.stage.0) + self.apart(field).0 + fixed
+        soft_minimum::negated(self.parts(field).into_iter(), self.stage.0) + self.apart(field).0 + fixed
     }
 
     /// Returns the field of a wave plus the field `beside`.
@@ -122,7 +122,7 @@ impl Cost for Softest<'_> {
         let field = self.field_at(wave);
         let field = [&field[0][..], &field[1]];
         let parts = self.parts(field);
-        let (least, sum) = shares(parts.iter().copied(), self.stage.0);
+        let (least, sum) = soft_minimum::shares(parts.iter().copied(), self.stage.0);
         let share = |k: &f64| math::exp(self.stage.0 * (least - k)) / (-self.unit * sum);
         let weights: Vec<f64> = parts.iter().map(share).collect();
         self.stiffness.pull(field, &weights, &self.apart(field).1, pulls.each_mut().map(|plane| &mut **plane));
@@ -233,16 +233,4 @@ pub(super) fn planes<'a>(wave: &'a Wave) -> [&'a [f32]; 2] {
 
 fn least(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::INFINITY, f64::min)
-}
-
-/// Returns -min x + 1/s ln sum_k e^{-s (x_k - min x)}, the negative soft minimum of some values with the sharpness s.
-pub(super) fn soft_minimum(values: impl Iterator<Item = f64> + Clone, sharpness: f64) -> f64 {
-    let (least, sum) = shares(values, sharpness);
-    math::log(sum) / sharpness - least
-}
-
-/// Returns the least value, and the sum of all e^{-s (x - min x)}; each term over the sum is the share of a value.
-fn shares(values: impl Iterator<Item = f64> + Clone, sharpness: f64) -> (f64, f64) {
-    let least = values.clone().fold(f64::INFINITY, f64::min);
-    (least, values.map(|x| math::exp(sharpness * (least - x))).sum())
 }
