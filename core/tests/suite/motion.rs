@@ -2,11 +2,13 @@
 
 use std::f64::consts::PI;
 
-use midair::solvers::Glide;
+use midair::solvers::{Glide, Last};
 use midair::{
     Aim, Array, Complex32, Complex64, Control, Frames, InstructionSet, Medium, Model, Problem, Quantization, Request,
-    Session, SolveRequest, Start, Workspace,
+    Session, Solve, SolveRequest, Start, Workspace,
 };
+
+use crate::scenes::{preset, problem, random_points, scene};
 
 const SIDE: usize = 16;
 const COUNT: usize = 3;
@@ -239,4 +241,47 @@ fn frames_that_do_not_fit_and_points_that_are_not_there() {
     lost[4] = [0.0, 0.0, f64::NAN];
     let error = follow(&lost, None).expect_err("not a number");
     assert!(error.to_string().starts_with("frames[1]: "), "{error}");
+}
+
+/// A point that appears, vanishes, jumps or gets another pressure: 30 frames later the field is as even as a cold solve's.
+#[test]
+fn a_field_is_even_again_after_any_change_of_points() {
+    let array = preset("autd3").with_quantization(Some(Quantization::new(Some(256), None).expect("phases")));
+    for (count, seed) in [(2, 1), (3, 2), (4, 3), (8, 4), (16, 5)] {
+        let [before, after] = [0, 100].map(|more| random_points(count, 0.06, seed + more));
+        let appears = |frame: usize| {
+            let visible = |j: usize| if frame < 20 && j == count - 1 { 0.0 } else { 2000.0 };
+            (before.clone(), (0..count).map(visible).collect::<Vec<f64>>())
+        };
+        let jumps = |frame: usize| (if frame < 20 { before.clone() } else { after.clone() }, vec![2000.0; count]);
+        let differs = |frame: usize| {
+            let pressure = |j: usize| if frame >= 20 && j % 2 == 0 { 500.0 } else { 2000.0 };
+            (before.clone(), (0..count).map(pressure).collect::<Vec<f64>>())
+        };
+        let joins = |frame: usize| {
+            let known = if frame < 20 { count - 1 } else { count };
+            (before[..known].to_vec(), vec![2000.0; known])
+        };
+        type Points<'a> = &'a dyn Fn(usize) -> (Vec<[f64; 3]>, Vec<f64>);
+        for (name, points) in
+            [("appears", &appears as Points), ("jumps", &jumps), ("differs", &differs), ("joins", &joins)]
+        {
+            for bound in [PI / 16.0, PI / 8.0] {
+                let glide = Glide { change: bound, ..Glide::default() };
+                let (mut last, mut drive) = (Last::default(), Vec::new());
+                for frame in 0..50 {
+                    let (points, pressures) = points(frame);
+                    let problem = problem(&scene(array.clone(), points, Some(pressures))).with_aim(Aim::Max);
+                    let solution = glide
+                        .follow(&problem, &mut last, &mut Workspace::new(), &mut Control::none())
+                        .expect("a frame");
+                    let most = solution.drive.iter().zip(&drive).map(|(q, last)| change(*q, *last)).fold(0.0, f64::max);
+                    assert!(most <= bound + 1e-3, "{name}, M = {count}, frame {frame}: {most}");
+                    drive.clone_from(&solution.drive);
+                    let uniformity = solution.metrics().uniformity;
+                    assert!(frame < 49 || uniformity > 0.99, "{name}, M = {count}, {bound}: {uniformity}");
+                }
+            }
+        }
+    }
 }

@@ -64,8 +64,8 @@ const EVEN: f32 = 1e-5;
 /// The first frame, which has no bound, has this many times as many sweeps: points at rest then keep its phases.
 const FIRST: u32 = 10;
 
-/// On a board's grid the last codes are kept if their deviation is at most this multiple of the deviation after the
-/// last change of codes; see [`AS_LOUD`].
+/// On a board's grid the last codes are kept if their deviation is at most this multiple of the deviation when they were
+/// chosen, or of the deviation of the new codes; see [`AS_LOUD`].
 const NO_WORSE: f32 = 1.05;
 
 /// The last codes are kept only if their level is at least this part of the level of the new codes.
@@ -314,7 +314,8 @@ impl<'w> Frame<'w> {
         Ok(if off <= NEARLY { Status::Done } else { Status::OutOfSteps })
     }
 
-    /// Rounds foci to the board's grid, and stores them.
+    /// Rounds foci to the board's grid, and stores them. The last codes are kept if they are nearly even and no worse than
+    /// when they were chosen, or if the new codes are not better.
     fn keep_foci(
         &mut self,
         problem: &Problem,
@@ -326,41 +327,49 @@ impl<'w> Frame<'w> {
         let grid = problem.quantization().map(Quantization::grid);
         let phases = grid.and_then(|grid| grid.phases.as_ref());
         let off = |wave: &Wave| wave.unevenness(rows, wave.level(rows), 0.0);
-        let mut kept = false;
+        let keeps = |trial: &Wave, wave: &Wave, unevenness: f32| {
+            off(trial) <= NO_WORSE * unevenness && trial.level(rows) >= AS_LOUD * wave.level(rows)
+        };
         if phases.is_some() {
             trial.relate(rows, &last.played, &last.played);
             trial.hear(rows);
             add(trial, rest.as_ref());
-            kept = off(trial) <= NO_WORSE * last.unevenness && trial.level(rows) >= AS_LOUD * wave.level(rows);
+            if off(trial) <= NEARLY && keeps(trial, wave, last.unevenness) {
+                // The new wave is not stored: if the points do not move, the next frame finds the same result and keeps
+                // its codes, too.
+                core::mem::swap(wave, trial);
+                return Ok(());
+            }
         }
-        if kept {
-            // The new codes are not stored: if the points do not move, the next frame finds the same result and keeps
-            // its codes, too.
-            core::mem::swap(wave, trial);
-        } else {
-            last.wave.copy_from_slice(&last.played);
-            rotate_list(rows.set, [&wave.drive[0], &wave.drive[1]], &mut last.wave);
-            last.weights.clear();
-            last.weights.extend_from_slice(weights);
-            if let Some(phases) = phases {
-                weights.fill(1.0);
-                let mut memory = work.floats.take_any(error_diffusion::floats(rows.targeted));
-                let mut codes = work.floats.take_any(rows.lanes);
-                let (most, targeted) = (*most, rows.targeted);
-                let tiles = rows.tiles();
-                let choice = error_diffusion::Choice::in_motion(phases, most);
-                let task = error_diffusion::Task { tiles, choice, weights, targeted, memory: &mut memory };
-                let field = wave.field.each_ref().map(|plane| &plane[..targeted]);
-                let drive = wave.drive.each_mut().map(|plane| &mut plane[..]);
-                error_diffusion::diffuse(rows.set, task, drive, field, &mut codes, control)?;
-                wave.hear(rows);
-                add(wave, rest.as_ref());
-                last.unevenness = off(wave);
+        last.wave.copy_from_slice(&last.played);
+        rotate_list(rows.set, [&wave.drive[0], &wave.drive[1]], &mut last.wave);
+        last.weights.clear();
+        last.weights.extend_from_slice(weights);
+        if let Some(phases) = phases {
+            weights.fill(1.0);
+            let mut memory = work.floats.take_any(error_diffusion::floats(rows.targeted));
+            let mut codes = work.floats.take_any(rows.lanes);
+            let (most, targeted) = (*most, rows.targeted);
+            let tiles = rows.tiles();
+            let choice = error_diffusion::Choice::in_motion(phases, most);
+            let task = error_diffusion::Task { tiles, choice, weights, targeted, memory: &mut memory };
+            let field = wave.field.each_ref().map(|plane| &plane[..targeted]);
+            let drive = wave.drive.each_mut().map(|plane| &mut plane[..]);
+            error_diffusion::diffuse(rows.set, task, drive, field, &mut codes, control)?;
+            wave.hear(rows);
+            add(wave, rest.as_ref());
+            let kept = keeps(trial, wave, off(wave));
+            if kept {
+                core::mem::swap(wave, trial);
             }
-            rotate_list(rows.set, [&wave.drive[0], &wave.drive[1]], &mut last.played);
-            if let Some(grid) = grid {
-                grid.round(rows.set, 1.0, [1.0; 2], &mut last.played);
+            last.unevenness = off(wave);
+            if kept {
+                return Ok(());
             }
+        }
+        rotate_list(rows.set, [&wave.drive[0], &wave.drive[1]], &mut last.played);
+        if let Some(grid) = grid {
+            grid.round(rows.set, 1.0, [1.0; 2], &mut last.played);
         }
         Ok(())
     }

@@ -177,7 +177,7 @@ pub(super) fn rows<'w>(
 ///
 /// # Errors
 /// More memory than allowed is needed.
-pub(in crate::solvers::even_field) fn stiffen(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
+pub(crate) fn stiffen(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     match if run.stopped { Ok(false) } else { descend(run, foci) } {
         Err(error) if error.is_stop() => {
             run.stopped = true;
