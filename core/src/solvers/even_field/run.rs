@@ -122,7 +122,7 @@ impl Wave<'_> {
 }
 
 /// A running solve: its problem, and its steps, each reported to the caller.
-pub(super) struct Run<'a, 'b, 'w> {
+pub(crate) struct Run<'a, 'b, 'w> {
     pub(super) problem: &'a Problem,
     pub(super) rows: &'a Rows<'w>,
     pub(super) plan: Plan,
