@@ -315,7 +315,7 @@ impl<'w> Frame<'w> {
     }
 
     /// Rounds foci to the board's grid, and stores them. The last codes are kept if they are nearly even and no worse than
-    /// when they were chosen, or if the new codes are not better.
+    /// when they were chosen, or if the new codes are not better although they come from an even field.
     fn keep_foci(
         &mut self,
         problem: &Problem,
@@ -346,6 +346,7 @@ impl<'w> Frame<'w> {
         last.weights.clear();
         last.weights.extend_from_slice(weights);
         if let Some(phases) = phases {
+            let even = off(wave) <= NEARLY;
             weights.fill(1.0);
             let mut memory = work.floats.take_any(error_diffusion::floats(rows.targeted));
             let mut codes = work.floats.take_any(rows.lanes);
@@ -358,7 +359,7 @@ impl<'w> Frame<'w> {
             error_diffusion::diffuse(rows.set, task, drive, field, &mut codes, control)?;
             wave.hear(rows);
             add(wave, rest.as_ref());
-            let kept = keeps(trial, wave, off(wave));
+            let kept = even && keeps(trial, wave, off(wave) / NO_WORSE);
             if kept {
                 core::mem::swap(wave, trial);
             }
