@@ -13,6 +13,9 @@ from autd3_boards import codes, frame, played, some_boards, some_poses, widths
 from autd3_makers import OLDER, do, geometry
 from midair._boards import autd3_commands as commands
 
+#: The emulator's boards are put together by hand, in its air of 340 m/s.
+pytestmark = pytest.mark.filterwarnings("ignore:array.positions are those of boards")
+
 #: One sample of a record is a period of the ultrasound.
 PERIOD = autd3.Duration.from_micros(25)
 #: Solutions for each number of boards; a hundred in all.

@@ -64,6 +64,7 @@ COMPUTED = {
 SHORT = {
     "midair.__main__": "python -m midair",
     "midair._boards.start": "the guard's process begins here, before it imports what a board needs",
+    "midair._boards.layout": "files and measurements use it, too",
     "midair._studio.widget": "imports anywidget, an extra",
 }
 

@@ -21,6 +21,9 @@ use crate::vec3::Vec3;
 /// Largest phase in rad that the fastest oscillation advances per step. Its frequency then has an error of 1e-4.
 const ANGLE: f64 = 0.3;
 
+/// The largest share of a bead's velocity that drag may take in a step.
+const DRAGGED: f64 = 0.1;
+
 /// Number of knots (interpolation nodes in time) whose forces are computed together, as one block.
 const KNOTS: usize = 1024;
 /// Number of blocks that are stored for later laps: about 500 MB, in a browser 80 MB.
@@ -181,9 +184,10 @@ impl<'a> Group<'a> {
         group.flight = Flight { step: course.spacing() / steps as f64, steps, ..group.flight };
         let centres = group.centres(first);
         // The first knot is in the middle of the first part of a frame. A step from the start leads there.
-        let lead = Flight { step: course.time(0.0), steps: 1, ..group.flight };
+        let steps = math::ceil(course.time(0.0) / group.flight.step).max(1.0) as usize;
+        let lead = Flight { step: course.time(0.0) / steps as f64, steps, ..group.flight };
         let reach = group.cells.map(|cell| if cell.is_some() { unit } else { f64::NAN });
-        let (forces, still) = (vec![solved.forces[0]; 2], [centres[0]; 2]);
+        let (forces, still) = (vec![solved.forces[0]; 2], vec![centres[0]; steps + 1]);
         let mut places = [group.state[0]; 2];
         lead.fly(model.set, model.medium(), &mut group.state, reach, &forces, &still, 0, &mut places, control)?;
         group.state = continued(group.state);
@@ -359,7 +363,12 @@ impl<'a> Group<'a> {
         let all = forces.iter().flat_map(|force| (0..LANES).map(move |lane| square(force, lane)));
         let slope = math::sqrt(all.fold(0.0, f64::max)) / self.flight.unit;
         let speed = math::sqrt(slope / self.flight.particle.mass(self.model.medium()));
-        math::ceil(self.course.spacing() * speed / ANGLE).max(1.0) as usize
+        let (particle, medium) = (self.flight.particle, self.model.medium());
+        let [friction, history] =
+            [particle.friction(medium), particle.history(medium)].map(|x| x / particle.mass(medium));
+        // The step h with friction h + 2 history h^(1/2) = DRAGGED: with longer steps the drag of a light bead grows without end.
+        let root = (math::sqrt(history * history + friction * DRAGGED) - history) / friction;
+        math::ceil((self.course.spacing() * speed / ANGLE).max(self.course.spacing() / (root * root))).max(1.0) as usize
     }
 }
 

@@ -215,6 +215,9 @@ fn points_that_fill_a_line_or_a_space_are_even_and_loud() {
     }
 }
 
+/// Points and pressures.
+type Asked = (Vec<[f64; 3]>, Option<Vec<f64>>);
+
 /// Of two fields the even one is better; of two even fields the one whose weakest point is louder.
 #[test]
 #[ignore = "slow"]
@@ -225,7 +228,7 @@ fn best_is_never_below_uniform() {
             [radius * angle.cos(), radius * angle.sin(), 0.15]
         })
     };
-    let mut scenes: Vec<(Vec<[f64; 3]>, Option<Vec<f64>>)> = Vec::new();
+    let mut scenes = Vec::<Asked>::new();
     for seed in 0..6 {
         let count = [2, 5, 12, 24, 40, 64][seed as usize];
         let unequal = (0..count).map(|j| P1 * (1.0 + 9.0 * j as f64 / count as f64)).collect();
@@ -247,14 +250,10 @@ fn best_is_never_below_uniform() {
     for (number, (points, pressures)) in scenes.into_iter().enumerate() {
         let problem = max(problem(&scene(array(), points, pressures)));
         let [uniform, best] = [&Uniform::default() as &dyn Solve, &Best::default()].map(|of| solved(&problem, of));
-        let order = |solution: &Solution| {
-            let metrics = solution.metrics();
-            (solution.status == Status::Done, metrics.level * metrics.uniformity)
-        };
-        let (below, above) = (order(&uniform), order(&best));
-        assert!(
-            above.0 >= below.0 && (above.0 > below.0 || above.1 >= below.1 * (1.0 - 1e-4)),
-            "{number}: {below:?} {above:?}"
-        );
+        let weakest = |solution: &Solution| solution.metrics().level * solution.metrics().uniformity;
+        let [below, above] = [weakest(&uniform), weakest(&best)];
+        let evener = best.status == Status::Done && uniform.status != Status::Done;
+        let as_even = best.status == uniform.status;
+        assert!(evener || as_even && above >= below * (1.0 - 1e-4), "{number}: {below} {above}");
     }
 }

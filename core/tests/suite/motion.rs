@@ -243,6 +243,9 @@ fn frames_that_do_not_fit_and_points_that_are_not_there() {
     assert!(error.to_string().starts_with("frames[1]: "), "{error}");
 }
 
+/// Points and pressures of a frame.
+type Points<'a> = &'a dyn Fn(usize) -> (Vec<[f64; 3]>, Vec<f64>);
+
 /// A point that appears, vanishes, jumps or gets another pressure: 30 frames later the field is as even as a cold solve's.
 #[test]
 fn a_field_is_even_again_after_any_change_of_points() {
@@ -255,14 +258,13 @@ fn a_field_is_even_again_after_any_change_of_points() {
         };
         let jumps = |frame: usize| (if frame < 20 { before.clone() } else { after.clone() }, vec![2000.0; count]);
         let differs = |frame: usize| {
-            let pressure = |j: usize| if frame >= 20 && j % 2 == 0 { 500.0 } else { 2000.0 };
+            let pressure = |j: usize| if frame >= 20 && j.is_multiple_of(2) { 500.0 } else { 2000.0 };
             (before.clone(), (0..count).map(pressure).collect::<Vec<f64>>())
         };
         let joins = |frame: usize| {
             let known = if frame < 20 { count - 1 } else { count };
             (before[..known].to_vec(), vec![2000.0; known])
         };
-        type Points<'a> = &'a dyn Fn(usize) -> (Vec<[f64; 3]>, Vec<f64>);
         for (name, points) in
             [("appears", &appears as Points), ("jumps", &jumps), ("differs", &differs), ("joins", &joins)]
         {

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Bead, Course, Scene, SceneError, numbers, stated
+from .._midair import Bead, Course, Scene, numbers, stated
 from .._sequence.envelope import Hold
 from .._sequence.judged import SETTLING, TAU
 from .._sequence.sequence import Sequence
@@ -87,6 +87,11 @@ def fly(
     if not isinstance(sequence, Sequence):
         raise refused("sequence", sequence, "give a midair.Sequence")
     scene = sequence.scene(0).replace(bead=bead)
+    if (delay := _delay(scene)) < SOONEST:
+        cure = (
+            f"air stops such a bead within {delay:.2g} s, too soon for a flight: give a larger or denser one"
+        )
+        raise refused("bead.radius", scene.bead.radius, cure)
     wavelength = scene.sound_speed / scene.frequency
     envelope = sequence._envelope(tau, hold)
     course = Course(sequence.points, wavelength, envelope.response, sequence.closed, envelope.before())
@@ -102,13 +107,6 @@ def fly(
         cure = "give a shorter one, or a higher limit (MIDAIR_MEMORY in the environment)"
         reported = f"the tracks of the beads need {getattr(error, 'value', 'more memory')}"
         raise MemoryError(f"duration is {duration:g} s: {reported}; {cure}") from None
-    except SceneError:
-        if (delay := _delay(scene)) > SOONEST:
-            raise
-        cure = (
-            f"air stops such a bead within {delay:.2g} s, too soon for a flight, give a larger or denser one"
-        )
-        raise refused("bead.radius", scene.bead.radius, cure) from None
     return Flight(times, flown, ways, lost, points)
 
 

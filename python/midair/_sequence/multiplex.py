@@ -71,7 +71,7 @@ def multiplex(
     >>> import midair
     >>> points = [[0.008 * x, 0.008 * y, 0.1] for x in range(-2, 3) for y in range(-2, 3)]
     >>> scene = midair.Scene(midair.Array.preset("openmpd_board"), points, pressures=300)
-    >>> pattern = midair.multiplex(scene, 3, rate=1e3)
+    >>> pattern = midair.multiplex(scene, 5, rate=1e3)
     >>> bool(abs(pattern.rms / 300 - 1).max() < 0.05)
     True
     """

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from os import PathLike
 from typing import Any
 
@@ -71,15 +70,24 @@ def lcode(
     name, written = program(path)
     frames: list[Any] = []
     holds: list[float] = []
-    kinds, every, off = set(), 0.0, False
-    for line, row in enumerate(written.splitlines(), 1):
-        code, *groups = re.sub(r"#.*|;.*", "", row).strip().split(":")
+    kinds, every, off, written_rate = set(), 0.0, False, None
+    rows = [
+        (line, part)
+        for line, row in enumerate(written.splitlines(), 1)
+        for part in row.partition("#")[0].split(";")
+    ]
+    for line, row in rows:
+        code, *groups = row.strip().split(":")
         if not code or code in NEUTRAL:
             continue
         if code in ("C3", "C4", "C11") and len(groups) == 1:
             value = number(f"{code} of line {line}", numbers(name, line, groups, [code])[0], least=0)
             if code == "C11":
-                rate = value if rate is None else rate
+                if written_rate not in (None, value):
+                    raise fault(
+                        name, line, f'"{row.strip()}" changes the frame rate', "give one C11 in each program"
+                    )
+                written_rate = value
             elif code == "C4":
                 every = value
             elif holds:
@@ -101,6 +109,7 @@ def lcode(
         raise stated("the program", f"has frames of {' and '.join(sorted(kinds))}", cure)
     if len(frames) < 2:
         raise stated("the program", "has fewer than two frames", "give L-code with L0 to L3")
+    rate = written_rate if rate is None else rate
     if rate is None:
         raise stated("rate", "is missing", "give frames per second: the program has no C11", code="missing")
     counts = 1 + np.rint(np.array(holds) * 1e-3 * number("rate", rate, above=0))

@@ -41,8 +41,9 @@ const WAITING: usize = 4;
 /// From this many pairs of a transducer and a point on, a second thread saves more time than its start takes.
 const SPREAD: usize = 1 << 17;
 
-/// The step of the differences for the gradient of a stiffness, in wavelengths. Their error is 1e-7.
-const STEP: f64 = 1.0 / 400.0;
+/// The step of the differences for the gradient of a stiffness, in wavelengths. It is small, because the second derivatives of
+/// measured directivities jump.
+const STEP: f64 = 1.0 / 20_000.0;
 
 /// The unit vectors along x, y and z.
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

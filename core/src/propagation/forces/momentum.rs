@@ -88,6 +88,10 @@ pub(crate) fn scattered(particle: Particle, medium: Medium, order: usize) -> Vec
     orders.iter().map(|[j, slope, by_slope, by_pressure]| by_slope * slope * k + by_pressure * j).collect()
 }
 
+/// Largest size k a inside of a sphere from which the continued fraction begins. A larger sphere has no use, but its terms
+/// would need gigabytes.
+const MOST_SIZE: f64 = 1e5;
+
 /// Returns a sphere in a medium without absorption, and [`Pushed::orders`] from 0 to `order`.
 fn orders(particle: Particle, medium: Medium, order: usize) -> (Sphere, Vec<[Complex64; 4]>) {
     let sphere = Sphere::of_order([0.0; 3], particle.radius, Surface::Rigid, medium, order);
@@ -95,7 +99,7 @@ fn orders(particle: Particle, medium: Medium, order: usize) -> (Sphere, Vec<[Com
     let size = inside * particle.radius;
     // j_(n+1)/j_n by a continued fraction, from an order at which it is 0.
     let mut ratio = 0.0;
-    let mut gains: Vec<f64> = (0..order + size as usize + 20)
+    let mut gains: Vec<f64> = (0..order + size.min(MOST_SIZE) as usize + 20)
         .rev()
         .map(|n| {
             ratio = 1.0 / ((2 * n + 3) as f64 / size - ratio);

@@ -80,7 +80,7 @@ pub(crate) fn meet(
     // For separate points the highest common level is the solution, even if it is below the targets. For other points
     // it is the solution only if it reaches them.
     let highest = loud() && regime == Some(Regime::Separate) || reached && !leaks;
-    if highest || !missed || problem.aim() == Aim::Max {
+    if highest || !missed || problem.aim() == Aim::Max || solution.status == Status::Stopped {
         return Ok(solution);
     }
     let task = Task { before: solution.steps, ..nearest::USUAL };
@@ -179,10 +179,10 @@ fn make_even<'w>(
         if found == Found::Crowded {
             return Ok(Regime::Crowded);
         }
-        if run.stopped || search.finds(run) {
+        if run.stopped {
             break;
         }
-        if found != Found::Separate && !run.problem.has_start() {
+        if found != Found::Separate && !run.problem.has_start() && !search.finds(run) {
             search.rise(run)?;
         }
     }
@@ -219,11 +219,16 @@ fn raise<'w>(
         if let Some(nearest) = &nearest {
             drives.extend((!plan.wide).then(|| nearest.drive.clone()));
             for &part in plan.louder() {
+                if run.stopped {
+                    break;
+                }
                 drives.push(nearest::nearest_to(run, part)?.drive);
             }
         }
         search.race(run, foci, *plan, &drives)?;
-        drives.into_iter().for_each(|drive| run.work.complexes.give(drive));
+        for drive in drives {
+            run.work.complexes.give(drive);
+        }
     }
     let Some(nearest) = nearest else { return Ok(None) };
     // No even field was found, or its level is below the target, which the nearest field meets.

@@ -227,19 +227,23 @@ impl<'w> Search<'w> {
             self.trial.play_at_full(rows, drive.iter().copied());
             self.set_out(run, &mut ahead)?;
         }
-        let starts = Starts::new(run.problem, rows, foci, &run.plan, work, run.control)?;
+        let starts = Starts::new(run.problem, rows, foci, &run.plan, work, run.control);
+        let Some(starts) = run.unless_stopped(starts)? else { return self.arrive(run, &ahead) };
         if alone {
             run.plan.sweeps = SWEEPS;
         }
         for start in 0..starts.count {
+            if run.stopped {
+                break;
+            }
             raise(run, &starts, start, &mut self.trial);
             self.set_out(run, &mut ahead)?;
         }
-        if run.problem.has_start() || !alone {
+        if run.problem.has_start() || !alone || run.stopped {
             return self.arrive(run, &ahead);
         }
         for &place in plan.cones() {
-            let Some(start) = cone(run, foci, place) else { break };
+            let Some(start) = cone(run, foci, place).filter(|_| !run.stopped) else { break };
             for sweeps in [0, SWEEPS] {
                 run.plan.sweeps = sweeps;
                 raise(run, &start, 0, &mut self.trial);

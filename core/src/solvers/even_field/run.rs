@@ -165,7 +165,7 @@ impl<'a, 'b, 'w> Run<'a, 'b, 'w> {
     pub(super) fn report(&mut self, wave: &Wave) -> bool {
         let (problem, moduli) = (self.problem, &self.moduli);
         if self.step > 0 {
-            self.stopped = self.control.step(self.step, self.steps, || problem.residual(moduli)).is_break();
+            self.stopped |= self.control.step(self.step, self.steps, || problem.residual(moduli)).is_break();
         }
         if !self.stopped {
             self.step += 1;
