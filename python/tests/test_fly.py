@@ -182,3 +182,16 @@ def test_a_motion_that_begins_faster_than_its_trap_can_catch_is_reported() -> No
         pytest.warns(midair.SceneWarning, match=launched),
     ):
         line(4.0)
+
+
+@pytest.mark.parametrize(("radius", "density"), [(0.1e-3, 29.0), (0.2e-3, 29.0), (1e-3, 2.0), (0.5e-3, 5.0)])
+def test_a_light_bead_rests_in_a_weak_trap(radius: float, density: float) -> None:
+    # The drag of such a bead takes more of its velocity in a millisecond than a bead of polystyrene loses.
+    full = midair.Array.preset("openmpd_pair")
+    boards = midair.Array.preset("openmpd_pair", quantization={}, source_pressure=0.15 * full.source_pressure)
+    still = midair.path.from_array(np.zeros((10, 1, 3)), rate=1000, closed=True)
+    sequence = midair.sequence(boards, still, rate=1000, signature="trap", temperature=25)
+    bead = {"radius": radius, "density": density}
+    flight = midair.fly(sequence, [[20e-6, 0, 0]], bead=bead, duration=0.5)
+    assert flight.held.all()
+    assert np.abs(flight.places[-100:] - flight.places[-1]).max() < 1e-7

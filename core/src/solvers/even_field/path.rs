@@ -10,8 +10,8 @@
 //! J are the derivatives of x by the drives' phases. The Hessian of sum_j y_j x_j is J^T (y/x) J - D, so this is a Newton
 //! step, with the damping tau, on a quadratic penalty (Nocedal and Wright 2006, chapter 17.1). Its matrix has one row for
 //! each point, and rho keeps it regular where points nearly depend on each other. Without a path the shortest steps to an
-//! even field ([`crate::solvers::even_field::even`]) then follow the rounding of f32. A quiet point adds |P|^2/L^2
-//! to C. C is relative to L, so that a field does not become even by becoming weak.
+//! even field ([`crate::solvers::even_field::even`]) then follow the rounding of f32. A quiet point adds its leak
+//! above the allowed one to C. C is relative to L, so that a field does not become even by becoming weak.
 
 use crate::error::Error;
 use crate::solvers::common::tiled::Wave;
