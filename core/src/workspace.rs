@@ -173,6 +173,8 @@ pub struct Workspace {
     pub indices: Pool<u32>,
     /// Point values that the greedy search stores.
     pub(crate) points: Pool<PointGroup>,
+    /// The largest transducers and points for which the steps of an even field have taken their memory.
+    pub(crate) even: Cell<[usize; 2]>,
 }
 
 impl Workspace {
@@ -185,7 +187,7 @@ impl Workspace {
     /// The bytes of unused memory, ready for the next solve.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        let Self { floats, doubles, complexes, indices, points } = self;
+        let Self { floats, doubles, complexes, indices, points, .. } = self;
         floats.bytes() + doubles.bytes() + complexes.bytes() + indices.bytes() + points.bytes()
     }
 

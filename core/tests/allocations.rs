@@ -138,9 +138,9 @@ fn a_batch_allocates_nothing_for_a_further_problem() {
             COUNT.get() - before
         };
         // All problems are one part, which this thread solves. Sixteen problems that are solved together are returned in one
-        // vector.
+        // vector. A problem that needs steps which no problem before it needed takes their memory, once.
         let (few, many) = (allocations(64), allocations(96));
         let name = entry.info.name;
-        assert!(few > 0 && many <= few + 2, "{name}, M = {points}: {few} for 64 problems, {many} for 96");
+        assert!(few > 0 && many <= few + 8, "{name}, M = {points}: {few} for 64 problems, {many} for 96");
     }
 }

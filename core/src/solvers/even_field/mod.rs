@@ -120,6 +120,7 @@ fn even(problem: &Problem, plans: &[Plan], work: &Workspace, control: &mut Contr
     let plans = if problem.has_start() { &plans[plans.len() - 1..] } else { plans };
     let mut run = Run::new(problem, &rows, plans[0], MOST_STEPS, work, control);
     let mut search = Search::new(&rows, work);
+    search.reserve(&mut run)?;
     let expected = if silence.crowded { Regime::Silent } else { Regime::Separate };
     let regime = make_even(&mut run, &mut search, &foci, plans, expected)?;
     if regime == Regime::Crowded
@@ -215,18 +216,17 @@ fn raise<'w>(
         if ended(run, search) {
             break;
         }
-        let mut drives = Vec::new();
-        if let Some(nearest) = &nearest {
-            drives.extend((!plan.wide).then(|| nearest.drive.clone()));
-            for &part in plan.louder() {
-                if run.stopped {
-                    break;
-                }
-                drives.push(nearest::nearest_to(run, part)?.drive);
+        let mut louder = [const { Vec::new() }; 2];
+        let parts = if given { &[] } else { plan.louder() };
+        for (drive, &part) in louder.iter_mut().zip(parts) {
+            if !run.stopped {
+                *drive = nearest::nearest_to(run, part)?.drive;
             }
         }
-        search.race(run, foci, *plan, &drives)?;
-        for drive in drives {
+        let [first, second] = &louder;
+        let begun = nearest.as_ref().filter(|_| !plan.wide).map_or(first, |nearest| &nearest.drive);
+        search.race(run, foci, *plan, [begun, second])?;
+        for drive in louder {
             run.work.complexes.give(drive);
         }
     }

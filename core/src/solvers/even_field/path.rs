@@ -57,6 +57,18 @@ const RELIEF: f32 = 3.0;
 const LITTLE: f32 = 0.05;
 const MOST: f32 = 1e4;
 
+/// Takes and returns the memory of a course.
+///
+/// # Errors
+/// More memory than allowed is needed.
+pub(super) fn reserve(run: &mut Run) -> Result<(), Error> {
+    let newton = Newton::new(run.problem, run.rows, run.plan.quiet, run.work, run.control)?;
+    let matrices = [(); 4].map(|()| run.work.floats.take_any(newton.dual.matrix.len()));
+    let vectors = [(); 4].map(|()| run.work.floats.take(newton.dual.lanes()));
+    drop((Metric::new(run.rows, run.work), matrices, vectors));
+    Ok(())
+}
+
 /// Follows a course until no point is off the level by more than the part `close`. Returns the rest of the course.
 ///
 /// # Errors

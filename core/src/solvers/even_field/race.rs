@@ -2,11 +2,10 @@
 
 use core::f64::consts::TAU;
 
-use alloc::vec::Vec;
-
 use num_complex::Complex32;
 
 use crate::error::Error;
+use crate::kernels::LANES;
 use crate::math::phasor;
 use crate::rng::Rng;
 use crate::scene::Aim;
@@ -15,7 +14,7 @@ use crate::solvers::even_field::ascent::{Pace, climb};
 use crate::solvers::even_field::even::{MOST_STEPS, Manner, Polish, polish};
 use crate::solvers::even_field::newton::Newton;
 use crate::solvers::even_field::path::{self, CULL, Course};
-use crate::solvers::even_field::run::{FEW_ENOUGH, Plan, Run};
+use crate::solvers::even_field::run::{FEW_ENOUGH, Plan, Run, TOO_MANY};
 use crate::solvers::even_field::starts::{FEW, Foci, Starts, cone, loudest_of_few};
 use crate::solvers::even_field::sweeps::raise;
 use crate::workspace::Workspace;
@@ -78,6 +77,26 @@ impl<'w> Search<'w> {
     pub(super) fn new(rows: &Rows, work: &'w Workspace) -> Self {
         let [best, trial] = [(); 2].map(|()| Wave::new(rows, work));
         Self { best, even: false, lowest: -1.0, trial, leaders: Leaders::new() }
+    }
+
+    /// Takes the memory of steps that only some problems need, once for a size: later solves of this size then allocate
+    /// nothing, whichever steps they need.
+    ///
+    /// # Errors
+    /// More memory than allowed is needed.
+    pub(super) fn reserve(&self, run: &mut Run<'_, '_, 'w>) -> Result<(), Error> {
+        let (rows, work, size) = (run.rows, run.work, [run.rows.lanes, run.rows.count]);
+        let known = work.even.get();
+        let larger = size[0] > known[0] || size[1] > known[1];
+        if larger && (2..=TOO_MANY).contains(&rows.equations()) {
+            work.even.set([size[0].max(known[0]), size[1].max(known[1])]);
+            let waves = [(); MOST + 2].map(|()| Wave::new(rows, work));
+            let starts = [(); 8].map(|()| work.floats.take_any(LANES * rows.targeted));
+            let couplings = [(); 2].map(|()| work.floats.take_any(rows.targeted * rows.targeted));
+            path::reserve(run)?;
+            drop((waves, starts, couplings));
+        }
+        Ok(())
     }
 
     /// Replaces the best field by the trial if the trial is better. An even field is better than an uneven one; of two
@@ -203,8 +222,8 @@ impl<'w> Search<'w> {
         Ok(())
     }
 
-    /// Follows the path of crowded points from some `drives`, or from the best field if there are none, and from the starts
-    /// of a plan. The loudest fields are followed to the end.
+    /// Follows the path of crowded points from the `drives` that are not empty, or from the best field if both are, and from
+    /// the starts of a plan. The loudest fields are followed to the end.
     ///
     /// # Errors
     /// More memory than allowed is needed.
@@ -213,17 +232,17 @@ impl<'w> Search<'w> {
         run: &mut Run<'_, '_, 'w>,
         foci: &Foci,
         plan: Plan,
-        drives: &[Vec<Complex32>],
+        drives: [&[Complex32]; 2],
     ) -> Result<(), Error> {
         let (rows, work) = (run.rows, run.work);
         let alone = rows.targeted == rows.order.len();
         let mut ahead = Leaders::new();
         run.plan = if alone { plan } else { plan.for_quiet() };
-        if drives.is_empty() {
+        if drives.iter().all(|drive| drive.is_empty()) {
             self.trial.copy(&self.best);
             self.set_out(run, &mut ahead)?;
         }
-        for drive in drives {
+        for drive in drives.into_iter().filter(|drive| !drive.is_empty()) {
             self.trial.play_at_full(rows, drive.iter().copied());
             self.set_out(run, &mut ahead)?;
         }
