@@ -120,7 +120,7 @@ fn even(problem: &Problem, plans: &[Plan], work: &Workspace, control: &mut Contr
     let plans = if problem.has_start() { &plans[plans.len() - 1..] } else { plans };
     let mut run = Run::new(problem, &rows, plans[0], MOST_STEPS, work, control);
     let mut search = Search::new(&rows, work);
-    search.reserve(&mut run)?;
+    Search::reserve(&mut run)?;
     let expected = if silence.crowded { Regime::Silent } else { Regime::Separate };
     let regime = make_even(&mut run, &mut search, &foci, plans, expected)?;
     if regime == Regime::Crowded

@@ -84,7 +84,7 @@ impl<'w> Search<'w> {
     ///
     /// # Errors
     /// More memory than allowed is needed.
-    pub(super) fn reserve(&self, run: &mut Run<'_, '_, 'w>) -> Result<(), Error> {
+    pub(super) fn reserve(run: &mut Run<'_, '_, 'w>) -> Result<(), Error> {
         let (rows, work, size) = (run.rows, run.work, [run.rows.lanes, run.rows.count]);
         let known = work.even.get();
         let larger = size[0] > known[0] || size[1] > known[1];
