@@ -167,11 +167,11 @@ def test_a_program_of_l_code_moves_points_frame_by_frame(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("program", "reported"),
     [
-        ("C11:10;\nL0:0,0;\nL0:0,0,1;", 'line 2: "L0:0,0;" is no point: give x,y,z in m'),
+        ("C11:10;\nL0:0,0;\nL0:0,0,1;", 'line 2: "L0:0,0" is no point: give x,y,z in m'),
         ("C11:10;\nL0:0,0,0;\nL2:0,0,1;", "has frames of L0 and L2"),
         ("L0:0,0,0;\nL0:0,0,1;", "rate is missing"),
         ("C11:5;\nfunction F0\nL0:0,0,0;\nend", 'line 2: "function F0" is not read'),
-        ("C11:5;\nL0:0,0,0;\nL4;\nL0:0,0,0;", 'line 4: "L0:0,0,0;" is not read'),
+        ("C11:5;\nL0:0,0,0;\nL4;\nL0:0,0,0;", 'line 4: "L0:0,0,0" is not read'),
         ("C11:5;\nL0:0,0,0;\nC3:1e12;\nL0:0,0,0;", "the program has 5e\\+09 frames"),
         ("C11:5;\nL0:0,0,0;\nL0:0,0,0:1,1,1;", "M changes from 1 to 2 at frame 1"),
     ],
