@@ -45,6 +45,11 @@ def test_a_mean_that_is_out_of_reach_is_reported() -> None:
     [
         (midair.Scene(ARRAY, POINTS), "give a midair.Scene with pressures="),
         (midair.Scene(ARRAY, POINTS, pressures=100, signature="twin"), "scene.signature is given"),
+        (midair.Scene(ARRAY, POINTS[:1], pressures=100), "frames is 2: each needs a point of a pressure"),
+        (
+            midair.Scene(ARRAY, POINTS[:2], [1, 0], weights=[1, 2]),
+            "frames is 2: each needs a point of a pressure",
+        ),
     ],
 )
 def test_what_has_no_mean_is_refused(scene: midair.Scene, reported: str) -> None:

@@ -85,6 +85,9 @@ def multiplex(
     wanted, places = scene.pressures, np.broadcast_to(scene.points, (count, *scene.points.shape))
     own = np.arange(len(wanted)) % count == np.arange(count)[:, None]
     each = np.ones(len(wanted)) if scene.weights is None else scene.weights
+    if not ((each * wanted * own) > 0).any(axis=1).all():
+        # Frame k begins with the points k, k + T, k + 2 T and so on.
+        raise refused("frames", frames, "each needs a point of a pressure and a weight above 0: give fewer")
     targets, weights, start = np.sqrt(count) * wanted * own, each * own, None
     gains, least = scene.propagation().T, np.inf
     for _ in range(1 + rounds):
