@@ -1,10 +1,12 @@
-"""Writes the tables of docs/reliability.md: one row for each test, state of the code and day."""
+"""Writes the tables of docs/reliability.md: one row for each run of a test."""
 
 from __future__ import annotations
 
 import datetime
+import re
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "book"))
@@ -42,9 +44,13 @@ def rows(name: str) -> list[Row]:
     return [cells(line) for line in parts(PAGE, name)[1].splitlines()[2:]]
 
 
-def add(name: str, row: Row, keys: int) -> None:
-    """Replaces the row of a table whose first `keys` cells are the same, or appends the row."""
-    found = rows(name)
-    same = [index for index, other in enumerate(found) if other[:keys] == row[:keys]]
-    found[same[0] if same else len(found) : (same[0] + 1) if same else len(found)] = [row]
-    put(PAGE, name, table(cells(parts(PAGE, name)[1].splitlines()[0]), found))
+def append(name: str, row: Row) -> None:
+    """Appends a row to a table of the page."""
+    put(PAGE, name, table(cells(parts(PAGE, name)[1].splitlines()[0]), [*rows(name), row]))
+
+
+def first(ends: Sequence[str], text: str, otherwise: str) -> str:
+    """Returns the words by which a program's log says why it ended: of the first pattern that it contains."""
+    found = next((found for end in ends if (found := re.search(end, text))), None)
+    words = otherwise if found is None else found[found.lastindex or 0]
+    return re.sub(r"[|`\s]+", " ", words)[:120]

@@ -1,4 +1,4 @@
-"""Guided fuzzing of every target in turns of some minutes; each turn is recorded in docs/reliability.md.
+"""Guided fuzzing of every target, one after the other; each run is a row of docs/reliability.md.
 
 A target is finished when it has run for the requested number of seconds or executions with the present code.
 Earlier runs with this code count, too, so an interrupted run can be continued later.
@@ -13,7 +13,6 @@ import re
 import subprocess
 import sys
 import time
-from dataclasses import dataclass
 from pathlib import Path
 
 import record
@@ -22,8 +21,6 @@ FUZZ = record.ROOT / "fuzz"
 #: Inputs that fuzzing has found, kept between runs; not in the repository.
 WORK = FUZZ / ".work"
 TARGET = "x86_64-unknown-linux-gnu"
-#: The length of a turn in seconds. After it, the record is written and the next target runs.
-SLICE = 600
 
 RUST = ("scene", "positions", "sweep", "solve", "field", "session", "instruction_sets", "frames")
 PYTHON = ("arguments", "functions", "chunks", "sweep_file", "picture", "drawing", "resume", "sequence_file")
@@ -34,26 +31,10 @@ LENGTHS = dict.fromkeys(RUST, 1024) | {"positions": 256, "frames": 640} | dict.f
 OPTIONS = ["-print_final_stats=1", "-timeout=60", "-rss_limit_mb=4096", "-verbosity=1"]
 
 
-@dataclass
-class Had:
-    """The number of executions and the seconds that a target has run with the present code."""
-
-    executions: int = 0
-    seconds: int = 0
-
-    @classmethod
-    def of(cls, name: str, code: str) -> Had:
-        """Returns a target's totals with this code, from the rows of docs/reliability.md."""
-        had = cls()
-        for row in record.rows("fuzz"):
-            if row[:2] == [name, code]:
-                had.executions += _number(row[3])
-                had.seconds += _number(row[4])
-        return had
-
-
-def _number(text: str) -> int:
-    return int(text.replace(",", ""))
+def had(name: str, code: str) -> list[int]:
+    """Returns the executions and the seconds that a target has run with this code, by docs/reliability.md."""
+    rows = [row for row in record.rows("fuzz") if row[:2] == [name, code]]
+    return [sum(int(row[column].replace(",", "")) for row in rows) for column in (3, 4)]
 
 
 def seeds(name: str) -> list[Path]:
@@ -96,53 +77,41 @@ def environment(name: str) -> dict[str, str]:
     return {**os.environ, "LD_PRELOAD": str(library)}
 
 
-def slice_of(name: str, code: str, seconds: int, executions: int) -> bool:
-    """Runs one turn and records it. Returns whether it found no error."""
+def run(name: str, code: str, seconds: int, executions: int) -> bool:
+    """Runs a target and records the run, also one that Ctrl-C ends. Returns whether it found no error."""
     begun = time.monotonic()
     log = WORK / f"{name}.log"
+    stopped = False
     with log.open("wb") as file:
         reported = command(name, seconds, executions)
         process = subprocess.Popen(reported, stdout=file, stderr=file, cwd=WORK, env=environment(name))
         try:
             process.wait()
         except KeyboardInterrupt:
+            stopped = True
             process.wait(60)
-            note(name, code, log, time.monotonic() - begun, 0)
-            raise
-    note(name, code, log, time.monotonic() - begun, process.returncode)
-    return process.returncode == 0
-
-
-def note(name: str, code: str, log: Path, seconds: float, status: int) -> None:
-    """Records the turn that has ended: adds its numbers to the target's row for this day and this code."""
     text = log.read_text(errors="replace")
     executed = re.findall(r"number_of_executed_units: (\d+)|^#(\d+)", text, re.M)
-    executions = max((int(number) for pair in executed for number in pair if number), default=0)
-    edges = re.findall(r"\bcov: (\d+)", text) or ["0"]
-    finding = what(text) if status else ""
-    row = [name, code, record.today(), str(executions), str(round(seconds)), edges[-1], finding]
-    for other in record.rows("fuzz"):
-        if other[:3] == row[:3]:
-            row[3] = str(_number(other[3]) + int(row[3]))
-            row[4] = str(_number(other[4]) + int(row[4]))
-            row[5] = str(max(_number(other[5]), int(row[5])))
-            parts = (other[6].removeprefix("none"), finding)
-            row[6] = "; ".join(dict.fromkeys(part for part in parts if part))
-    row[3:6] = [f"{int(number):,}" for number in row[3:6]]
-    row[6] = row[6] or "none"
-    record.add("fuzz", row, 3)
-    print(f"  {name}: {executions} executions, {edges[-1]} edges, {finding or 'nothing found'}", flush=True)
-    if finding:
-        print(f"  see {log}", flush=True)
+    done = max((int(number) for pair in executed for number in pair if number), default=0)
+    edges = int((re.findall(r"\bcov: (\d+)", text) or ["0"])[-1])
+    sound = stopped or process.returncode == 0
+    finding = "none" if sound else what(text)
+    numbers = [f"{number:,}" for number in (done, round(time.monotonic() - begun), edges)]
+    record.append("fuzz", [name, code, record.today(), *numbers, finding])
+    print(
+        f"  {name}: {done} executions, {edges} edges, {finding}" + ("" if sound else f": see {log}"),
+        flush=True,
+    )
+    if stopped:
+        raise KeyboardInterrupt
+    return sound
 
 
 def what(text: str) -> str:
     """Returns in a few words why libFuzzer ended, with the name of the input."""
     ends = (r"panicked at .*\n(.*)", r"Uncaught Python exception: ===\n(.*)", r"ERROR: (.*)")
-    words = next((found[1] for end in ends if (found := re.search(end, text))), "ended without a word")
     kept = re.findall(r"Test unit written to \S*/(\w+-\w{8})", text)
-    words = re.sub(r"[|`\s]+", " ", words)[:100]
-    return f"`{' '.join(kept[-1:])}` {words}".strip()
+    return f"`{' '.join(kept[-1:])}` {record.first(ends, text, 'ended without a word')}".strip()
 
 
 def build(sanitizer: str, folder: Path) -> None:
@@ -184,18 +153,13 @@ def main() -> int:
     if any(name in PYTHON for name in names):
         install()
     sound = True
-    while names:
-        for name in list(names):
-            had = Had.of(name, codes[name])
-            seconds, executions = requested.time - had.seconds, requested.runs - had.executions
-            if seconds <= 0 or executions <= 0:
-                print(f"{name}: {had.executions} executions in {had.seconds} s over this code")
-                names.remove(name)
-                continue
-            print(f"{name}: {min(seconds, SLICE)} s", flush=True)
-            if not slice_of(name, codes[name], min(seconds, SLICE), executions):
-                sound = False
-                names.remove(name)
+    for name in names:
+        executions, seconds = had(name, codes[name])
+        if seconds >= requested.time or executions >= requested.runs:
+            print(f"{name}: {executions} executions in {seconds} s over this code")
+            continue
+        print(f"{name}: {requested.time - seconds} s", flush=True)
+        sound &= run(name, codes[name], requested.time - seconds, requested.runs - executions)
     return 0 if sound else 1
 
 

@@ -16,6 +16,9 @@ from run import FUZZ, RUST, TARGET, WORK, build, seeds
 #: The largest duration of a check in seconds: a longer check is stopped and counts as an error.
 MOST = 3600
 
+#: The words by which a log says why a check ended.
+ENDS = (r"\w+Sanitizer: .*", r"Undefined Behavior: .*", r"test result: FAILED.*", r"error.*")
+
 FEATURES = ["-p", "midair", "--features", "scene-file,parallel"]
 
 
@@ -84,31 +87,22 @@ def run(check: Check) -> bool:
     log = WORK / f"{re.sub('[^a-z0-9]+', '-', check.name.lower()).strip('-')}.log"
     with log.open("wb") as file:
         environment = {**os.environ, **check.environment}
-        try:
-            status = subprocess.run(
-                check.command, stdout=file, stderr=file, cwd=record.ROOT, env=environment, timeout=MOST
-            ).returncode
-        except subprocess.TimeoutExpired:
-            status = -1
+        # `timeout` ends with the status 124 if it stops a command.
+        limited = ["timeout", str(MOST), *check.command]
+        status = subprocess.run(
+            limited, stdout=file, stderr=file, cwd=record.ROOT, env=environment
+        ).returncode
     seconds = time.monotonic() - begun
     text = log.read_text(errors="replace")
     count = sum(map(int, re.findall(r"test result: \w+\. (\d+) passed", text)))
     inputs = re.search(r"number_of_executed_units: (\d+)", text)
     ran = f"{inputs[1]} inputs" if inputs else f"{count} tests"
-    finding = "none" if status == 0 else what(text, status)
+    ended = {0: "none", 124: f"broken off after {MOST} s"}
+    finding = ended.get(status) or record.first(ENDS, text, f"ended with {status}")
     row = [check.name, record.code("core"), record.today(), str(round(seconds)), ran, finding]
-    record.add("sanitize", row, 3)
+    record.append("sanitize", row)
     print(f"  {ran}, {finding}" + ("" if status == 0 else f": see {log}"), flush=True)
     return status == 0
-
-
-def what(text: str, status: int) -> str:
-    """Returns in a few words why a check ended."""
-    if status == -1:
-        return f"broken off after {MOST} s"
-    ends = (r"\w+Sanitizer: .*", r"Undefined Behavior: .*", r"test result: FAILED.*", r"error.*")
-    words = next((found[0] for end in ends if (found := re.search(end, text))), f"ended with {status}")
-    return re.sub(r"[|`\s]+", " ", words)[:120]
 
 
 def main() -> int:
