@@ -13,6 +13,7 @@ from . import autd3_commands as commands
 from .autd3_chain import ASSIGNED, MUTED, PAUSE, Chain, Kind, version
 from .autd3_commands import BANKS, CODES, FAILSAFE_MS, PHASE_STEPS, Command, Step
 from .errors import BoardError, BoardLost
+from .transport import Transport
 
 MOST_BOARDS = 128
 EMULATOR = "autd3:emulator"
@@ -179,7 +180,7 @@ class Link:
             )
 
 
-class Autd3Transport:
+class Autd3Transport(Transport):
     """Plays frames on AUTD3 boards.
 
     `address` is "autd3" (searches every network interface), "autd3:eth0" (one interface), "autd3:[IPv6]:PORT"

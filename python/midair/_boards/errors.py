@@ -97,6 +97,19 @@ def named(error: BaseException) -> str:
     return ": ".join(filter(None, (type(error).__name__, " ".join(str(error).split()))))
 
 
+def reason(error: Exception) -> str:
+    """Return the system's text of an error, in one line."""
+    return " ".join(str(getattr(error, "strerror", None) or error).split()) or type(error).__name__
+
+
+def gone(what: str, error: Exception) -> BoardLost:
+    """Return the error about a device that does not answer any more."""
+    return BoardLost(
+        f"{what} is gone ({reason(error)}): the board plays on, switch its supply off, "
+        "then plug it in and connect again"
+    )
+
+
 #: Error classes by name: the guard process sends the name, its owner raises the error.
 KINDS: dict[str, type[BoardError]] = {
     kind.__name__: kind

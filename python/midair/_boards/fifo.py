@@ -10,7 +10,8 @@ from typing import Any
 
 from pyftdi.ftdi import Ftdi
 
-from .errors import BoardBusy, BoardError, BoardLost, BoardNotFound, BoardPermission, BoardTimeout
+from .errors import BoardBusy, BoardError, BoardNotFound, BoardPermission, BoardTimeout, gone, reason
+from .transport import Transport
 
 #: A board that accepts no bytes for this time, in ms, counts as lost.
 STALLED_MS = 200
@@ -25,7 +26,7 @@ NO_ACCESS, BUSY = 13, 16
 TIMED_OUT = (60, 110)
 
 
-class FifoTransport:
+class FifoTransport(Transport):
     """Plays frames on boards with one FIFO each. A frame has one part of equal length for each board.
 
     Parameters
@@ -59,15 +60,6 @@ class FifoTransport:
     def silence(self) -> None:
         """Write the bytes that turn everything off. Frames already in the chips play for a few ms more."""
         self._deal(self._silence)
-
-    def modulate(self, hz: float | None) -> None:
-        """Raise BoardError: these boards cannot modulate."""
-        if hz is not None:
-            raise BoardError("this board cannot modulate: stream drives of changing amplitude")
-
-    def upload(self, frames: bytes, count: int, rate: float) -> None:
-        """Raise BoardError: these boards store no sequence."""
-        raise BoardError("this board holds no sequence: use stream")
 
     def look(self) -> None:
         """Raise BoardLost if a chip does not answer."""
@@ -120,7 +112,7 @@ def _open(serial: str, interface: int) -> Any:
         if number == BUSY:
             raise BoardBusy(f'device "{serial}" is in use: close the other program that holds it') from error
         raise BoardNotFound(
-            f'device "{serial}" is not there ({_reason(error)}): plug the board in; the serial number is '
+            f'device "{serial}" is not there ({reason(error)}): plug the board in; the serial number is '
             "its FTDI chip's"
         ) from error
     return chip
@@ -129,10 +121,7 @@ def _open(serial: str, interface: int) -> Any:
 def _failed(serial: str, error: Exception) -> BoardError:
     if _number(error) in TIMED_OUT:
         return BoardTimeout(f'device "{serial}" took nothing for {STALLED_MS / 1e3:g} s: check its power')
-    return BoardLost(
-        f'device "{serial}" is gone ({_reason(error)}): the board plays on, switch its supply off, '
-        "then plug it in and connect again"
-    )
+    return gone(f'device "{serial}"', error)
 
 
 def _number(error: Exception) -> int | None:
@@ -140,7 +129,3 @@ def _number(error: Exception) -> int | None:
     found = getattr(error, "errno", None)
     behind = error.__cause__ or error.__context__
     return found if found is not None or behind is None else getattr(behind, "errno", None)
-
-
-def _reason(error: Exception) -> str:
-    return " ".join(str(error).split()) or type(error).__name__

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import threading
 import time
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 
 from .errors import BoardError
-from .transport import before_what_computes
+from .transport import Transport, before_what_computes
 
 #: Bits on a serial line for each byte: a start bit, eight data bits, a stop bit.
 BITS = 10
@@ -26,7 +26,7 @@ MOST_SWAPS = 0.2
 DELAYED = 0.1
 
 
-class LineTransport(ABC):
+class LineTransport(Transport):
     """Sends frames at the line's speed; modulates by swapping two banks. Subclasses write the bytes."""
 
     def __init__(self, *, baud: int, silence: str, off: str, swap: str | None = None) -> None:
@@ -80,18 +80,6 @@ class LineTransport(ABC):
             if not self._silent or self._free <= time.monotonic():
                 self._give(self._silence)
                 self._silent = True
-
-    def upload(self, frames: bytes, count: int, rate: float) -> None:
-        """Raise BoardError: these boards store no sequence."""
-        raise BoardError("this board holds no sequence: use stream")
-
-    @abstractmethod
-    def look(self) -> None:
-        """Raise BoardLost if the line is known to be gone."""
-
-    @abstractmethod
-    def close(self) -> None:
-        """Release the line. Never raises an error and never hangs."""
 
     def _begin(self, *, loaded: bool = False) -> None:
         """Send the frame unless the board has it (`loaded`), and start the swaps if a modulation is set."""

@@ -10,7 +10,7 @@ from typing import Any
 
 import serial
 
-from .errors import BoardBusy, BoardError, BoardLost, BoardNotFound, BoardPermission, BoardTimeout
+from .errors import BoardBusy, BoardError, BoardNotFound, BoardPermission, BoardTimeout, gone, reason
 from .line import LineTransport
 
 #: A line that accepts no bytes for this time, in s, counts as lost. The system's buffers add to it: 0.6 s at
@@ -124,28 +124,20 @@ class SerialTransport(LineTransport):
                 f'port "{self._name}" took nothing for {STALLED} s: check the board\'s power and cable'
             ) from error
         except FAILURES as error:
-            raise BoardLost(
-                f'port "{self._name}" is gone ({_reason(error)}): the board plays on, switch its supply off, '
-                "then plug it in and connect again"
-            ) from error
+            raise gone(f'port "{self._name}"', error) from error
 
 
 def _refused(port: str, error: Exception) -> BoardError:
     """Return the error for a port that cannot be opened, with the reason and the cure."""
-    number, reason = getattr(error, "errno", None), _reason(error)
-    if number in (errno.ENOENT, errno.ENXIO, errno.ENODEV) or "FileNotFoundError" in reason:
+    number, known = getattr(error, "errno", None), reason(error)
+    if number in (errno.ENOENT, errno.ENXIO, errno.ENODEV) or "FileNotFoundError" in known:
         return BoardNotFound(f'port "{port}" is not there: plug the board in; `midair ports` lists the ports')
     # Windows reports a port that is in use as "no permission".
-    if number in (errno.EAGAIN, errno.EBUSY) or "PermissionError" in reason:
+    if number in (errno.EAGAIN, errno.EBUSY) or "PermissionError" in known:
         return BoardBusy(f'port "{port}" is in use: close the other program that holds it')
     if number in (errno.EACCES, errno.EPERM):
         return BoardPermission(
             f'port "{port}" may not be opened by you: join its group, on Debian by '
             f"`sudo usermod -aG dialout $USER`, and log in again"
         )
-    return BoardError(f'port "{port}" cannot be opened ({reason}): give a serial port')
-
-
-def _reason(error: Exception) -> str:
-    """Return the system's error text, in one line."""
-    return " ".join(str(getattr(error, "strerror", None) or error).split()) or type(error).__name__
+    return BoardError(f'port "{port}" cannot be opened ({known}): give a serial port')

@@ -7,9 +7,10 @@ from typing import Any
 from .autd3_commands import check_count, divider, modulation
 from .errors import BoardError
 from .line import LineTransport
+from .transport import Transport
 
 
-class NullTransport:
+class NullTransport(Transport):
     """Accepts every call at once and plays nothing."""
 
     def play(self, frame: bytes) -> None:
@@ -23,9 +24,6 @@ class NullTransport:
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
         """Drop the frames."""
-
-    def look(self) -> None:
-        """Do nothing: there is no device that could be lost."""
 
     def close(self) -> None:
         """Do nothing: there is nothing to release."""
@@ -105,9 +103,6 @@ class LoopTransport(LineTransport):
 
     def _write(self, content: bytes) -> None:
         """Drop the bytes."""
-
-    def look(self) -> None:
-        """Do nothing: there is no device that could be lost."""
 
     def close(self) -> None:
         """End the modulation."""

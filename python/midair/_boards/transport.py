@@ -10,9 +10,14 @@ from contextlib import suppress
 from importlib import import_module
 from typing import Any, Protocol
 
+from .errors import BoardError
+
 
 class Transport(Protocol):
-    """A device that plays frames. Every method except `close` raises `BoardError` or a subclass."""
+    """A device that plays frames. Every method except `close` raises `BoardError` or a subclass.
+
+    By default a device cannot modulate, stores no sequence, and is never known to be gone.
+    """
 
     def play(self, frame: bytes) -> None:
         """Send a frame. Returns when the line has accepted it; at most two frames wait in the line."""
@@ -22,9 +27,12 @@ class Transport(Protocol):
 
     def modulate(self, wave: Any) -> None:
         """Modulate the amplitude of all frames from now on, at a frequency in Hz; None ends it."""
+        if wave is not None:
+            raise BoardError("this board cannot modulate: stream drives of changing amplitude")
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
         """Store `count` frames in the device, which repeats them by itself at `rate` frames per second."""
+        raise BoardError("this board holds no sequence: use stream")
 
     def look(self) -> None:
         """Raise BoardLost if the device is known to be gone. Sends nothing."""

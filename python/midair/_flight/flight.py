@@ -100,14 +100,10 @@ class Flight:
         SceneError
             If a panel or the size is invalid.
         """
-        from .._pictures.figures import chosen, new_figure, whole
+        from .._pictures.figures import row
 
-        names = chosen(panels, get_args(Way), ax)
-        if ax is not None:
-            _draw(self, names[0], ax)
-            return whole(ax)
-        figure = new_figure(4.8 * len(names), 4.0, size)
-        for name, one in zip(names, figure.subplots(1, len(names), squeeze=False)[0], strict=True):
+        figure, axes = row(panels, get_args(Way), ax, size, width=4.8, height=4.0)
+        for name, one in axes.items():
             _draw(self, name, one)
         return figure
 

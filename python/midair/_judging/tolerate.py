@@ -266,17 +266,13 @@ class Tolerance:
         SceneError
             If a panel or the size is invalid.
         """
-        from .._pictures.figures import chosen, head, new_figure, whole
+        from .._pictures.figures import head, row as panels_in_a_row
 
-        names = chosen(panels, PANELS, ax)
         rows = list(self.rows)
-        if ax is None:
-            figure: Figure = new_figure(4.5 * len(names), 1.8 + 0.5 * len(rows), size)
-            axes = list(figure.subplots(1, len(names), sharey=True, squeeze=False)[0])
-        else:
-            figure, axes = whole(ax), [ax]
+        height = 1.8 + 0.5 * len(rows)
+        figure, axes = panels_in_a_row(panels, PANELS, ax, size, width=4.5, height=height, sharey=True)
         aside = SPREAD * np.random.default_rng(0).uniform(-1, 1, self.trials)
-        for one, what in zip(axes, names, strict=True):
+        for what, one in axes.items():
             for row, name in enumerate(rows):
                 values = getattr(self.rows[name], what)
                 worse = np.quantile(values, PART)
@@ -288,12 +284,13 @@ class Tolerance:
             one.axvline(1, color="lightgrey", zorder=0)
             one.grid(axis="x", alpha=0.3)
         labels = ["\n".join(filter(None, (name, self._size(name)))) for name in rows]
-        axes[0].set_yticks(range(len(rows)), labels)
-        axes[0].invert_yaxis()
+        first = next(iter(axes.values()))
+        first.set_yticks(range(len(rows)), labels)
+        first.invert_yaxis()
         if ax is not None:
             ax.legend()
             return figure
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+        figure.legend(*first.get_legend_handles_labels(), loc="outside lower center", ncols=2)
         played = "a drive" if self.solution is None else self.solution.solver
         head(figure, f"{played}, {self.trials} trials a row")
         return figure

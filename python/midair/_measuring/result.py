@@ -207,15 +207,10 @@ class Calibration:
         SceneError
             If the colour map, a panel or the size is invalid.
         """
-        from .._pictures.figures import chosen, colour_map, new_figure, whole
+        from .._pictures.figures import colour_map, row
 
-        names = chosen(panels, PANELS, ax)
-        if ax is None:
-            figure: Figure = new_figure(4.0 * len(names), 3.8, size)
-            axes = list(figure.subplots(1, len(names), squeeze=False)[0])
-        else:
-            figure, axes = whole(ax), [ax]
-        for one, name in zip(axes, names, strict=True):
+        figure, axes = row(panels, PANELS, ax, size, width=4.0, height=3.8)
+        for name, one in axes.items():
             if name == "residuals":
                 _residuals(self, one)
             elif name == "gain":

@@ -191,6 +191,28 @@ def chosen(panels: Name | Iterable[Name] | None, known: Sequence[Name], ax: Axes
     return names
 
 
+def row(
+    panels: Name | Iterable[Name] | None,
+    known: Sequence[Name],
+    ax: Axes | None,
+    size: Size | None,
+    *,
+    width: float,
+    height: float,
+    sharey: bool = False,
+) -> tuple[Figure, dict[Name, Axes]]:
+    """Return the figure and the axes of each panel by its name: the caller's axes, or a row of new ones.
+
+    A new panel has `width` and `height` in inches unless `size` is given for the figure.
+    """
+    names = chosen(panels, known, ax)
+    if ax is not None:
+        return whole(ax), {names[0]: ax}
+    figure = new_figure(width * len(names), height, size)
+    axes = figure.subplots(1, len(names), squeeze=False, sharey=sharey)[0]
+    return figure, dict(zip(names, axes, strict=True))
+
+
 colormaps.register(ListedColormap(table("phase") / 255, MAPS["phase"]), force=True)
 colormaps.register(ListedColormap(table("field_light") / 255, "midair.light"), force=True)
 

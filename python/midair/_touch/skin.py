@@ -432,16 +432,12 @@ class Skin(Facts):
         SceneError
             For wrong arguments.
         """
-        from .._pictures.figures import chosen, colour_map, new_figure, whole
+        from .._pictures.figures import colour_map, row
 
-        names = chosen(panels, get_args(Panel), ax)
+        figure, axes = row(panels, get_args(Panel), ax, size, width=3.6, height=3.4)
         colours = colour_map(cmap, MAPS["pressure"])
         best = int(self.strength.argmax()) if place is None else self._nearest(place)
-        if ax is not None:
-            _draw(self, names[0], ax, colours, best)
-            return whole(ax)
-        figure = new_figure(3.6 * len(names), 3.4, size)
-        for name, one in zip(names, figure.subplots(1, len(names), squeeze=False)[0], strict=True):
+        for name, one in axes.items():
             _draw(self, name, one, colours, best)
         return figure
 
