@@ -51,7 +51,7 @@ at_most() { # COUNT NAME: checks how many files the trial has changed
 }
 
 noted() { # adds a line to CHANGELOG.md
-    after '### What is new, by part' CHANGELOG.md <<<"- **$1**, a trial."
+    after '## ' CHANGELOG.md <<<"- **$1**, a trial."
 }
 
 # An optimised build would take minutes. The copy reuses the dependencies that are already compiled.
