@@ -33,7 +33,7 @@ def parts(place: Path) -> dict[str, str]:
     verdicts = {name: figure.judge(rows[name]) for name, figure in FIGURES.items()}
     outcomes = [verdict.verdict for judged in verdicts.values() for verdict in judged]
     counts = ", ".join(f"{outcomes.count(kind)} {words}" for kind, words in PLURAL.items())
-    found = {"statements": f"Of {len(outcomes)} statements, {counts}.\n", "uniform": ours(rows)}
+    found = {"statements": f"Of {len(outcomes)} statements, {counts}.\n"}
     for name in FIGURES:
         judged = [[it.statement, f"**{it.verdict}**", it.evidence] for it in verdicts[name]]
         of_paper = table(["the paper says", "we find", "by these numbers"], judged)
@@ -51,29 +51,25 @@ def pattern(rows: tables.Rows) -> str:
     return table(["method", *names, "lost points"], lines)
 
 
-def wide(rows: tables.Rows, x: str, cell: Callable[[tables.Row], str]) -> str:
-    """Returns a table with a row for each method and a column for each value of x."""
+def wide(rows: tables.Rows, x: str, cell: Callable[[tables.Row], str]) -> tuple[list[str], list[list[str]]]:
+    """Returns head and lines of a table with a row for each method and a column for each value of x."""
     sizes = dict.fromkeys(str(row[x]) for row in rows)
     methods = [tables.pick(rows, method=key) for key in tables.labels(rows)]
-    return table([f"{x} =", *sizes], [[mine[0]["label"], *map(cell, mine)] for mine in methods])
+    return [f"{x} =", *sizes], [[mine[0]["label"], *map(cell, mine)] for mine in methods]
 
 
 def means(rows: tables.Rows, factor: float, digits: int) -> str:
-    """Returns a table of figs. 3 and 4: means and half their confidence intervals."""
-
-    def cell(row: tables.Row) -> str:
-        half = (row["high"] - row["low"]) / 2
-        return f"{factor * row['mean']:.{digits}f} ± {factor * half:.{digits}f}"
-
-    return wide(rows, "M", cell)
+    """Returns a table of figs. 3 and 4: means, and the largest half of their confidence intervals."""
+    half = max(row["high"] - row["low"] for row in rows) / 2
+    head, lines = wide(rows, "M", lambda row: f"{factor * row['mean']:.{digits}f}")
+    return table([f"± {factor * half:.{digits}f} at most; {head[0]}", *head[1:]], lines)
 
 
 def times(rows: tables.Rows, x: str) -> str:
-    """Returns the tables of figs. 5 and 6: medians in ms, and slopes."""
-    firsts = [tables.pick(rows, method=key)[0] for key in tables.labels(rows)]
-    slopes = [[row["label"], fig5.stated_slope(row)] for row in firsts]
-    medians = wide(rows, x, lambda row: f"{1e3 * row['median']:.3g}")
-    return f"{medians}\n" + table(["method", f"slope of log time over log {x}"], slopes)
+    """Returns the table of figs. 5 and 6: medians in ms, and slopes."""
+    head, lines = wide(rows, x, lambda row: f"{1e3 * row['median']:.3g}")
+    slopes = (fig5.stated_slope(tables.pick(rows, method=key)[0]) for key in tables.labels(rows))
+    return table([*head, "slope"], [[*line, slope] for line, slope in zip(lines, slopes, strict=True)])
 
 
 def foci(rows: tables.Rows) -> str:
@@ -102,13 +98,3 @@ TABLES: dict[str, Callable[[tables.Rows], str]] = {
     "fig6": partial(times, x="N"),
     "fig7": foci,
 }
-
-
-def ours(rows: dict[str, tables.Rows]) -> str:
-    """Returns a table of the advantages of `uniform` over the paper's best two methods."""
-    accuracies = (tables.pick(rows["fig3"], method=key) for key in ("greedy", "lm", "uniform"))
-    lines = [
-        [sigma["M"], *(f"{100 * row['mean']:.1f}" for row in found), f"{sigma['mean']:.1e}"]
-        for sigma, *found in zip(tables.pick(rows["fig4"], method="uniform"), *accuracies, strict=True)
-    ]
-    return table(["M", "greedy / %", "LM / %", "uniform / %", "uniform's sigma"], lines)

@@ -116,7 +116,7 @@ def test_every_method_is_in_the_quality_time_picture() -> None:
 
 def test_the_papers_page_is_what_its_tables_say(book: Callable[[str], ModuleType]) -> None:
     made = book("pictures.paper").parts(ROOT / "docs" / "paper")
-    assert len(made) == 8
+    assert len(made) == 7
     for name, text in made.items():
         assert book("marked").parts(ROOT / "docs" / "paper.md", name)[1] == text, name
 
