@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +21,19 @@ DRIVE = np.ones(len(ARRAY))
 TRAPS = midair.sequence(PAIR, np.zeros((2, 1, 3)), rate=500, signature="trap", closed=True, ahead="all")
 ANGLE = np.linspace(0, 2 * np.pi, 24, endpoint=False)
 RING = 5e-3 * np.stack([np.cos(ANGLE), np.sin(ANGLE), 0 * ANGLE], axis=1)
+
+FOLDER = Path(tempfile.mkdtemp())
+(FOLDER / "g").write_text("G0 X-10 Y0 Z150\nG1 X10 F6000\nG2 X0 Y10 I-10 J0\n")
+(FOLDER / "l").write_text("L0 0 0 0 3.14 L1 0.001 0 0 3.14 L0\n")
+(FOLDER / "s").write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0 L9 0 L9 9 Z"/></svg>')
+
+PAIR_OF_FOCI = midair.Scene(ARRAY, LINE, pressures=100.0)
+REQUEST: dict[str, Any] = {
+    "array": {"grid": [3, 2, 0.01]},
+    "solver": {"name": "fast"},
+    "seeds": 2,
+    "points": {"count": [1], "x": [-0.01, 0.01], "y": [0, 0], "z": [0.1, 0.15]},
+}
 
 Call = Callable[[Any], Any]
 
@@ -48,6 +63,11 @@ def simulated(bad: Any) -> Any:
 
 def sequence(**bad: Any) -> Any:
     return midair.sequence(**({"array": ARRAY, "path": FRAMES, "rate": 1e3} | bad))
+
+
+def dataset(name: str, bad: Any) -> Any:
+    with tempfile.TemporaryDirectory() as folder:
+        return midair.dataset(REQUEST | {name: bad}, folder)
 
 
 GROUPS: dict[str, dict[str, Call]] = {
@@ -114,6 +134,49 @@ GROUPS: dict[str, dict[str, Call]] = {
         "plane": lambda bad: midair.streaming(SCENE, DRIVE, bad),
         "absorption": lambda bad: midair.streaming(SCENE, DRIVE, [[0, 0, 0.1]], absorption=bad),
     },
+    "multiplex": keywords(
+        lambda **bad: midair.multiplex(
+            **({"scene": PAIR_OF_FOCI, "frames": 2, "rate": 1e3, "rounds": 1} | bad)
+        ),
+        *("scene", "frames", "solver", "rate", "rounds", "phases", "steps"),
+    )
+    | {
+        "pressures": lambda bad: midair.multiplex(PAIR_OF_FOCI.replace(pressures=bad), 2, rate=1e3),
+        "weights": lambda bad: midair.multiplex(PAIR_OF_FOCI.replace(weights=bad), 2, rate=1e3),
+    },
+    "gcode": keywords(
+        lambda **bad: midair.path.gcode(**({"path": FOLDER / "g", "speed": 0.1} | bad)),
+        *("path", "origin", "speed", "frequency", "pressures"),
+    ),
+    "lcode": keywords(
+        lambda **bad: midair.path.lcode(**({"path": FOLDER / "l"} | bad)),
+        *("path", "origin", "rate", "closed", "pressures"),
+    ),
+    "svg": keywords(
+        lambda **bad: midair.path.svg(
+            **({"path": FOLDER / "s", "size": 0.04, "z": 0.15, "speed": 0.1} | bad)
+        ),
+        *("path", "size", "z", "speed", "frequency", "pressures"),
+    ),
+    "shape.svg": keywords(
+        lambda **bad: midair.shape.svg(**({"path": FOLDER / "s", "size": 0.04, "z": 0.15} | bad)),
+        *("path", "size", "z", "step"),
+    ),
+    "text": keywords(
+        lambda **bad: midair.shape.text(**({"string": "a", "height": 0.02, "z": 0.15} | bad)),
+        *("string", "height", "z", "step", "font"),
+    ),
+    "join": {"arrays": midair.Array.join, "second": lambda bad: midair.Array.join([ARRAY, bad])},
+    "moved": keywords(ARRAY.moved, "rotation", "translation"),
+    "bead": keywords(midair.Bead, "radius", "density", "sound_speed", "gravity"),
+    "dataset": {name: lambda bad, name=name: dataset(name, bad) for name in REQUEST}
+    | {"point": lambda bad: dataset("points", REQUEST["points"] | {"z": bad})}
+    | keywords(
+        lambda **bad: midair.dataset(**({"request": REQUEST, "folder": FOLDER / "d"} | bad)),
+        "folder",
+        "threads",
+    )
+    | {"opened": lambda bad: midair.Dataset(bad).manifest},
     "exposure": {"places": lambda bad: midair.exposure(SCENE, DRIVE, bad)},
 }
 

@@ -108,6 +108,10 @@ def test_lines_of_g_code(tmp_path: Path) -> None:
         ("G1 X0 Y0\nG2 X10 Y0 R4\n", "no arc of this radius joins the places"),
         ("G1 X0 Y0\nG1 Xa\n", "give words of a letter and a number"),
         ("G21\nG90\n", "has fewer than two places"),
+        ("G1 X0 Y0\nG2 X1e308 R1e308\n", "give numbers of at most 1e\\+09"),
+        ("G1 X0 Y1E999\nG2 I10 Y20\n", "give numbers of at most 1e\\+09"),
+        ("G1 X0 Y0\nG2 X0 Y0 I1e-300\n", "its radius is 1e-300 mm at first"),
+        ("G1 X0 Y0\nG2 X5e-324 R1\n", "no arc of this radius joins the places"),
     ],
 )
 def test_g_code_that_is_no_path_is_refused(program: str, reported: str) -> None:
@@ -168,6 +172,7 @@ def test_a_program_of_l_code_moves_points_frame_by_frame(tmp_path: Path) -> None
     ("program", "reported"),
     [
         ("C11:10;\nL0:0,0;\nL0:0,0,1;", 'line 2: "L0:0,0" is no point: give x,y,z in m'),
+        ("C11:10;\nL0:0,0,1,x;\nL0:0,0,1;", 'line 2: column 4 is "x": give a finite number'),
         ("C11:10;\nL0:0,0,0;\nL2:0,0,1;", "has frames of L0 and L2"),
         ("L0:0,0,0;\nL0:0,0,1;", "rate is missing"),
         ("C11:5;\nfunction F0\nL0:0,0,0;\nend", 'line 2: "function F0" is not read'),

@@ -57,6 +57,13 @@ def test_what_has_no_mean_is_refused(scene: midair.Scene, reported: str) -> None
         midair.multiplex(scene, 2, rate=1e3)
 
 
+@pytest.mark.parametrize("frames", [10, 2**40, 2**70])
+def test_more_frames_than_points_are_refused_at_once(frames: int) -> None:
+    scene = midair.Scene(ARRAY, POINTS[:3], pressures=100)
+    with pytest.raises(midair.SceneError, match=f"frames is {frames}: each needs a point"):
+        midair.multiplex(scene, frames, rate=1e3)
+
+
 def test_a_modulated_solution_keeps_its_traps_and_bead() -> None:
     bead = midair.Bead(radius=0.5e-3)
     scene = midair.Scene(ARRAY, [[0, 0, 0.1]], signature="twin", bead=bead)

@@ -82,12 +82,13 @@ def multiplex(
         raise refused("scene", scene, "give a midair.Scene with pressures=")
     if scene.signature is not None:
         raise stated("scene.signature", "is given", "a mean is of foci, leave it out", code="conflict")
-    wanted, places = scene.pressures, np.broadcast_to(scene.points, (count, *scene.points.shape))
-    own = np.arange(len(wanted)) % count == np.arange(count)[:, None]
-    each = np.ones(len(wanted)) if scene.weights is None else scene.weights
+    wanted, each = scene.pressures, np.ones(len(scene.points)) if scene.weights is None else scene.weights
+    # Frame k begins with the points k, k + T, k + 2 T and so on.
+    turns = min(count, len(wanted) + 1)
+    own = np.arange(len(wanted)) % turns == np.arange(turns)[:, None]
     if not ((each * wanted * own) > 0).any(axis=1).all():
-        # Frame k begins with the points k, k + T, k + 2 T and so on.
         raise refused("frames", frames, "each needs a point of a pressure and a weight above 0: give fewer")
+    places = np.broadcast_to(scene.points, (count, *scene.points.shape))
     targets, weights, start = np.sqrt(count) * wanted * own, each * own, None
     gains, least = scene.propagation().T, np.inf
     for _ in range(1 + rounds):

@@ -195,7 +195,7 @@ def numbers(
     if not np.isfinite(row).all() or "_" in "".join(found):
         for index, cell in enumerate(found):
             if number(cell) is None:
-                name = names[index] if names else f"column {index + 1}"
+                name = names[index] if index < len(names) else f"column {index + 1}"
                 raise fault(path, line, f'{name} is "{cell}"', "give a finite number")
     return row
 

@@ -17,6 +17,8 @@ from ._kinds import polyline
 CHORD = 1e-6
 #: Largest number of pieces of an arc, and largest difference of its radii at both ends, in mm.
 MOST_PIECES, ROUNDING = 10_000, 0.01
+#: Largest number in a program, and smallest radius or chord of an arc, in mm.
+LARGEST, LEAST = 1e9, 1e-9
 #: Codes that do not change where a tool goes: plane XY, no compensation, work offset 1, feed per minute.
 NEUTRAL = {"17", "40", "49", "54", "64", "80", "94"}
 
@@ -87,6 +89,8 @@ def _places(program: str) -> NDArray[np.float64]:
         words = re.findall(r"([A-Z])\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:E[+-]?\d+)?)", bare)
         if "".join(letter + value for letter, value in words) != re.sub(r"\s", "", bare):
             raise _wrong(number, line, "give words of a letter and a number, such as G1 X10 Y5")
+        if any(abs(float(value)) > LARGEST for _, value in words):
+            raise _wrong(number, line, f"give numbers of at most {LARGEST:g}")
         if any(letter == "M" and float(value) in (2, 30) for letter, value in words):
             break
         values = {letter: float(value) for letter, value in words if letter != "G"}
@@ -132,7 +136,7 @@ def _arc(
     sign = -1 if move == "2" else 1
     if "R" in values:
         radius, chord = values["R"], end - start
-        if not 0 < abs(chord) <= 2 * abs(radius) + ROUNDING:
+        if not LEAST < abs(chord) <= 2 * abs(radius) + ROUNDING:
             raise _wrong(number, line, "no arc of this radius joins the places, give I and J")
         rise = np.sqrt(max(radius**2 - abs(chord) ** 2 / 4, 0))
         centre = (start + end) / 2 + sign * np.sign(radius) * 1j * chord / abs(chord) * rise
@@ -141,7 +145,7 @@ def _arc(
     else:
         raise _wrong(number, line, "an arc needs its centre I and J, or its radius R")
     arm, last = start - centre, end - centre
-    if abs(arm) == 0 or abs(abs(arm) - abs(last)) > ROUNDING:
+    if abs(arm) < LEAST or abs(abs(arm) - abs(last)) > ROUNDING:
         raise _wrong(number, line, f"its radius is {abs(arm):.4g} mm at first and {abs(last):.4g} mm at last")
     turn = sign * (sign * np.angle(last / arm) % (2 * np.pi))
     turn = sign * 2 * np.pi if abs(turn) < 1e-9 else turn
