@@ -18,13 +18,6 @@ FIELDS = (
 REFERENCE, GREEDY = "autd3", "greedy 16 phases"
 #: The rows of the README's table.
 BRIEF = (("midair", "fast"), ("midair", "uniform"), (REFERENCE, GREEDY))
-#: The rows of the comparison page.
-SHORT = tuple(
-    [("midair", method) for method in (GREEDY, "fast", "uniform", "gspat", "naive")]
-    + [(REFERENCE, method) for method in (GREEDY, "gspat", "naive")]
-    + [("autd3-rs", method) for method in (GREEDY, "gspat", "naive")]
-    + [("textbook f64", GREEDY)]
-)
 #: The form of call that the tables show for each program: from and to NumPy arrays, if the program has it.
 _FORMS = {"midair": "solve", "autd3": "full", "autd3-rs": "full", "acoustools": "full"}
 _SIZES, _JUDGED = (1, 4, 8, 16, 64), (16, 64)
@@ -69,7 +62,6 @@ def tables(rows: Sequence[Row]) -> dict[str, str]:
     """Returns the table of each page that has one, by the page's path in the repository."""
     return {
         "README.md": brief(rows),
-        "docs/comparison.md": table(rows, "../bench", SHORT),
         "docs/performance.md": table(rows, "../bench"),
     }
 
@@ -100,7 +92,7 @@ def _found(rows: Sequence[Row]) -> _Found:
     return {(row["rival"], row["method"], row["grid"], int(row["M"])): row for row in shown}
 
 
-def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, str]] | None = None) -> str:
+def table(rows: Sequence[Row], bench: str = "bench") -> str:
     """Returns the table as Markdown.
 
     The row of a method has ratios of median times at each M, and the quality of its results.
@@ -112,7 +104,7 @@ def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, s
         " brackets: without rounding to the boards' grid of 256 phases x 256 amplitudes. The last two columns"
         " are accuracy / sigma; 1 / 0 means that every point has its target pressure."
     )
-    rivals = {rival for rival, _ in only} if only else {rival for rival, *_ in found}
+    rivals = {rival for rival, *_ in found}
     versions = dict.fromkeys(f"{row['rival']} {row['version']}" for row in rows if row["rival"] in rivals)
     details = (
         f"{first['date']}, {first['cpu']}, one thread, 2 x 2 AUTD3 boards of point sources, with the"
@@ -127,11 +119,7 @@ def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, s
     rule = "|---|" + "---:|" * len(_SIZES) + "---|" * len(_JUDGED)
     head = [_wrapped(caption), "", f"| |{times}{answers}", rule]
     named = dict.fromkeys((rival, method) for rival, method, *_ in found)
-    body = [
-        f"| {rival}, {method} | {' | '.join(_cells(found, rival, method))} |"
-        for rival, method in named
-        if only is None or (rival, method) in only
-    ]
+    body = [f"| {rival}, {method} | {' | '.join(_cells(found, rival, method))} |" for rival, method in named]
     return "\n".join([*head, *body, "", *_setting(rows), _wrapped(details)])
 
 
