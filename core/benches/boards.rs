@@ -3,7 +3,6 @@
 //!
 //! `cargo bench -p midair --features parallel --bench boards`. Measures session calls with moving points and batches of 1024,
 //! on one thread, N = 996. Results are checked first; then all variants alternate, and their medians are compared.
-#![forbid(unsafe_code)]
 
 mod turns;
 

@@ -4,7 +4,6 @@
 //! so only the ratio counts. "textbook" is a direct implementation of Algorithm 2 of Suzuki et al. 2021. It uses complex f64,
 //! computes |P + G q| as the complex modulus and each candidate's energy anew. Its G of eq. (5) is computed with the same libm
 //! as ours.
-#![forbid(unsafe_code)]
 
 mod turns;
 

@@ -41,46 +41,28 @@ extern crate alloc;
 // This name lets solvers in this crate be written exactly as in a crate of your own (docs/extending.md).
 extern crate self as midair;
 
-// Only `kernels::simd` may contain unsafe code.
-#[forbid(unsafe_code)]
+// Unsafe code is denied but in `kernels::simd`; `tests/suite/unsafe_code.rs` lists its files.
 mod control;
-#[forbid(unsafe_code)]
 mod device;
-#[forbid(unsafe_code)]
 mod error;
-#[forbid(unsafe_code)]
 #[cfg(feature = "scene-file")]
 pub mod files;
-#[forbid(unsafe_code)]
 pub mod flight;
 mod kernels;
-#[forbid(unsafe_code)]
 mod linalg;
-#[forbid(unsafe_code)]
 mod math;
-#[forbid(unsafe_code)]
 pub mod points;
-#[forbid(unsafe_code)]
+mod prelude;
 mod problem;
-#[forbid(unsafe_code)]
 mod propagation;
-#[forbid(unsafe_code)]
 mod rng;
-#[forbid(unsafe_code)]
 mod scene;
-#[forbid(unsafe_code)]
 pub mod sequence;
-#[forbid(unsafe_code)]
 mod session;
-#[forbid(unsafe_code)]
 pub mod solvers;
-#[forbid(unsafe_code)]
 mod threads;
-#[forbid(unsafe_code)]
 pub mod touch;
-#[forbid(unsafe_code)]
 mod vec3;
-#[forbid(unsafe_code)]
 mod workspace;
 
 pub use control::{Control, Observe, Progress};

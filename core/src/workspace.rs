@@ -1,6 +1,5 @@
 //! Workspace: memory that solves reuse.
 
-use alloc::vec::Vec;
 use core::cell::{Cell, RefCell};
 use core::mem;
 use core::ops::{Deref, DerefMut};
@@ -8,6 +7,7 @@ use core::ops::{Deref, DerefMut};
 use num_complex::Complex32;
 
 use crate::kernels::PointGroup;
+use crate::prelude::*;
 
 /// The number of f32 in a cache line.
 const LINE: usize = 16;

@@ -1,9 +1,6 @@
 //! Board: converts drives to the bytes that an array's boards receive, and back.
 
 use alloc::borrow::Cow;
-use alloc::format;
-use alloc::vec;
-use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
 use num_complex::{Complex32, Complex64};
@@ -14,9 +11,10 @@ use crate::device::code::{Code, of_pulse, pulse};
 use crate::device::format::Format;
 use crate::device::link::Link;
 use crate::device::quantization::Quantization;
-use crate::error::{self, Error, one_each};
+use crate::error::{self, one_each};
 use crate::kernels::pulses::Pulses;
 use crate::math;
+use crate::prelude::*;
 
 /// The tolerance for drives above 1 because of rounding to f32.
 const SLACK: f64 = 1e-6;

@@ -1,13 +1,11 @@
 //! Channels: transducers that are wired together, so that one output of a board drives them.
 
-use alloc::format;
 use alloc::sync::Arc;
-use alloc::vec;
-use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
-use crate::error::{Error, one_each};
+use crate::error::one_each;
+use crate::prelude::*;
 
 /// Drives on one channel may differ by this much.
 const ALIKE: f32 = 1e-6;

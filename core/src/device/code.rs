@@ -1,15 +1,14 @@
 //! Code: the phase and amplitude of one channel as the whole numbers that its board uses.
 
-use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
 
 use num_complex::Complex32;
 
 use crate::device::quantization::Quantization;
-use crate::error::Error;
 use crate::kernels::pulses::Pulses;
 use crate::math;
 use crate::math::sqrtf;
+use crate::prelude::*;
 
 /// Ten times the largest error of a number of steps computed in f32.
 const DOUBT: f32 = 1e-3;

@@ -1,15 +1,13 @@
 //! Format: the description of a kind of board: its bytes, its link and its array, as data and functions.
 
-use alloc::format;
-use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
 use num_complex::Complex64;
 
 use crate::device::code::{Code, Steps};
 use crate::device::link::Link;
-use crate::error::Error;
 use crate::math;
+use crate::prelude::*;
 
 /// A kind of board.
 pub(crate) struct Format {

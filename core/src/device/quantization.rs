@@ -1,16 +1,13 @@
 //! Quantization: the phases and amplitudes that a board can play, and the rounding of drives to them.
 
-use alloc::boxed::Box;
-use alloc::format;
-use alloc::vec::Vec;
-
 use num_complex::Complex32;
 
-use crate::error::{self, Error};
+use crate::error;
 use crate::kernels::InstructionSet;
 use crate::kernels::grid::{Amplitudes, Grid, Phases};
 use crate::kernels::pulses::Pulses;
 use crate::math;
+use crate::prelude::*;
 
 /// The allowed numbers of phases: fewer than 2 are no choice, more than 2^16 are finer than f32.
 const PHASES: core::ops::RangeInclusive<u32> = 2..=1 << 16;

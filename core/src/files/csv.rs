@@ -1,11 +1,8 @@
 //! Tables of numbers: text with columns, lists in JSON, or .npy. Columns are found by name or by their number.
 
-use alloc::format;
-use alloc::string::{String, ToString};
-use alloc::vec::Vec;
-
-use crate::error::{Error, ErrorCode, Notice, one_line};
+use crate::error::{ErrorCode, Notice, one_line};
 use crate::files::{json, npy};
+use crate::prelude::*;
 
 /// The name of a unit, and its size in SI.
 type Unit = (&'static str, f64);

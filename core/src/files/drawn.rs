@@ -2,16 +2,12 @@
 //!
 //! The core has no code for fonts, drawings, pictures and 3D models.
 
-use alloc::string::String;
-use alloc::vec;
-use alloc::vec::Vec;
-
-use crate::error::Error;
 use crate::files::fault::Fault;
 use crate::files::item::{Item, Table};
 use crate::files::node::Node;
 use crate::files::shape::shape;
 use crate::files::write;
+use crate::prelude::*;
 use crate::scene::{Array, Request};
 
 /// The result of drawing a table.

@@ -1,15 +1,12 @@
 //! Drives in CSV: a row with index, x, y, z, amplitude and phase for each transducer, in m and rad.
 
-use alloc::format;
-use alloc::string::{String, ToString};
-use alloc::vec::Vec;
 use core::iter;
 
 use num_complex::Complex32;
 
-use crate::error::Error;
 use crate::files::csv::{self, Columns};
 use crate::math;
+use crate::prelude::*;
 
 /// The tolerance for an amplitude of 1 that was rounded when written.
 const ROUNDING: f64 = 1e-6;

@@ -1,12 +1,9 @@
 //! Fault: an error in a document, reported with the document's name, the line and column, and a correct line as an example.
 
-use alloc::format;
-use alloc::string::{String, ToString};
-use alloc::vec::Vec;
-
-use crate::error::{Error, nearest, same_name};
+use crate::error::{nearest, same_name};
 use crate::files::source::{Format, Source};
 use crate::files::{place, schema};
+use crate::prelude::*;
 use crate::solvers::{Entry, SOLVERS};
 
 /// An error, and the item of the document that caused it.

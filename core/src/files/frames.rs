@@ -1,14 +1,9 @@
 //! Files of frames: the points (T, M, 3) of a motion as CSV, or as .npy of NumPy.
 
-use alloc::format;
-use alloc::string::ToString;
-use alloc::vec;
-use alloc::vec::Vec;
-
-use crate::error::Error;
 use crate::files::csv::{self, Columns};
 use crate::files::npy::{self, Npy};
 use crate::files::source::Source;
+use crate::prelude::*;
 
 /// Frames of points: points (T, M) in m, and M.
 pub(super) type Frames = (Vec<[f64; 3]>, usize);

@@ -1,14 +1,12 @@
 //! Item: a value of a document with its path, and its conversion to a type. Errors name the path.
 
 use alloc::borrow::Cow;
-use alloc::format;
-use alloc::string::String;
-use alloc::vec::Vec;
 
-use crate::error::{Error, ErrorCode};
+use crate::error::ErrorCode;
 use crate::files::fault::Fault;
 use crate::files::node::Node;
 use crate::files::schema;
+use crate::prelude::*;
 use crate::scene::Key;
 
 /// A value in a document, with its path, such as `points[3].pressure`.

@@ -2,9 +2,6 @@
 
 use alloc::borrow::Cow;
 use alloc::collections::BTreeMap;
-use alloc::format;
-use alloc::string::{String, ToString};
-use alloc::vec::Vec;
 use core::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
@@ -14,6 +11,7 @@ use serde_json::{Error, from_str};
 use crate::files::node::Node;
 use crate::files::step::{Place, Step};
 use crate::files::syntax::Flaw;
+use crate::prelude::*;
 
 /// How each message of the parser begins, and the reason that users read instead.
 const REASONS: [(&str, &str); 13] = [

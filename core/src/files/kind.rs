@@ -1,13 +1,9 @@
 //! Kind: tables whose key `kind` determines which other keys they have.
 
-use alloc::format;
-use alloc::string::String;
-use alloc::vec::Vec;
-
-use crate::error::Error;
 use crate::files::fault::Fault;
 use crate::files::item::{Item, Table};
 use crate::files::node::Node;
+use crate::prelude::*;
 
 /// A kind: its name, its required keys, and its optional keys.
 pub(super) type Kind = (&'static str, &'static [&'static str], &'static [&'static str]);

@@ -38,13 +38,11 @@ pub use source::{Format, MOST_BYTES, Source};
 pub use sweep::sweep_tables;
 pub use tables::Provenance;
 
-use alloc::string::String;
-use alloc::vec::Vec;
 use std::path::{Path, PathBuf};
 
-use crate::error::Error;
 use crate::files::source::BYTE_ORDER_MARK;
 use crate::kernels::InstructionSet;
+use crate::prelude::*;
 use crate::scene::Scene;
 use crate::session::Moving;
 

@@ -1,8 +1,8 @@
 //! Node: a document in TOML or JSON as a tree of values, before they are interpreted.
 
 use alloc::borrow::Cow;
-use alloc::string::{String, ToString};
-use alloc::vec::Vec;
+
+use crate::prelude::*;
 use core::fmt;
 
 /// A value of a document.

@@ -1,7 +1,6 @@
 //! Files .npy of NumPy: an array of f64 or f32 in C order, little-endian.
 
-use alloc::string::String;
-use alloc::vec::Vec;
+use crate::prelude::*;
 
 /// The numbers of a file and their shape.
 pub(super) struct Npy {

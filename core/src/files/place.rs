@@ -1,10 +1,9 @@
 //! Place: the line and column of an item in a document, for error messages.
 
-use alloc::vec::Vec;
-
 use crate::files::source::Format;
 use crate::files::step::{Place, Step};
 use crate::files::{json, toml};
+use crate::prelude::*;
 
 /// The offset of the value at a path such as `points[3].pressure`. If the document has no such value, the offset of the nearest
 /// one around it.

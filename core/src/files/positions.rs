@@ -1,10 +1,8 @@
 //! Tables of positions in separate files: transducers x, y, z in metres with or without a normal nx, ny, nz, and points.
 
-use alloc::vec::Vec;
-
-use crate::error::Error;
 use crate::files::csv::{self, Columns};
 use crate::files::source::{MOST_BYTES, Source};
+use crate::prelude::*;
 use crate::scene::Array;
 
 /// The transducers of a file: positions (N, 3) in m, and normals (N, 3) if the file has them.

@@ -1,20 +1,18 @@
 //! Conversion of the tables of a scene file (`[medium]`, `[array]`, `[[points]]`, shapes, `[[obstacles]]`, `[solver]`, `[plane]`) to a scene.
 
-use alloc::string::String;
 use alloc::sync::Arc;
-use alloc::vec;
-use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
 use crate::device::quantization::Quantization;
-use crate::error::{Error, ErrorCode};
+use crate::error::ErrorCode;
 use crate::files::drawn::{self, Draw, Drawing, Drawn, drawn, mesh};
 use crate::files::fault::Fault;
 use crate::files::item::{Item, Table};
 use crate::files::node::Node;
 use crate::files::positions::{self, Point};
 use crate::files::source::Source;
+use crate::prelude::*;
 use crate::scene::{
     Array, Axis, Bead, Body, Choice, Directivity, Extras, Key, Medium, Mesh, Obstacle, OptionValue, Options, Part,
     PartKind, PartValue, Particle, Plane, Pose, Request, Scene, Signature, Surface, Value,

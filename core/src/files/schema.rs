@@ -1,9 +1,7 @@
 //! Schema: all keys of a scene file, each with its meaning and an example, for editors and error messages.
 
-use alloc::format;
-use alloc::string::String;
-
 use crate::files::source::Format;
+use crate::prelude::*;
 use crate::scene::{Array, Bead, Key, Medium, Obstacle};
 
 /// Declares keys, each with its meaning and an example.

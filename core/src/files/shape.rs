@@ -1,14 +1,11 @@
 //! Tables `[shape]`: converts lines, circles and polylines to points. The caller draws texts and drawings.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
-use crate::error::Error;
 use crate::files::fault::Fault;
 use crate::files::item::Item;
 use crate::files::kind::{self, Kind};
 use crate::files::node::Node;
 use crate::points::{Curve, STEP};
+use crate::prelude::*;
 use crate::scene::Request;
 
 const KINDS: [Kind; 5] = [

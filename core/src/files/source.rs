@@ -1,13 +1,11 @@
 //! Source of a document: its format, its name in error messages, and the folder of the files that it names.
 
-use alloc::format;
-use alloc::string::{String, ToString};
-use alloc::vec::Vec;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use crate::error::{Error, one_line};
+use crate::error::one_line;
+use crate::prelude::*;
 
 /// The largest scene file that is read, in bytes.
 pub const MOST_BYTES: usize = 64 << 20;

@@ -1,11 +1,10 @@
 //! Sweep files: the keys of a document that describes many scenes.
 
-use alloc::vec::Vec;
-
 use crate::files::fault::Fault;
 use crate::files::item::Item;
 use crate::files::node::Node;
 use crate::files::schema::key_list;
+use crate::prelude::*;
 use crate::scene::Key;
 
 const FILE: &[Key] = key_list! {

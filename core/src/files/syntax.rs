@@ -1,13 +1,11 @@
 //! Syntax errors of TOML and JSON, with messages for users of scene files.
 
-use alloc::format;
-use alloc::string::String;
 use core::fmt;
 
-use crate::error::Error;
 use crate::files::node::Node;
 use crate::files::schema;
 use crate::files::source::{Format, Source};
+use crate::prelude::*;
 
 /// The most keys of a table, far more than any table needs. Each key is compared with all others of its table; the limit keeps
 /// this fast.

@@ -1,10 +1,7 @@
 //! Conversion of a scene to the tables of its file.
 
-use alloc::string::{String, ToString};
-use alloc::vec::Vec;
-
-use crate::error::Error;
 use crate::files::node::Node;
+use crate::prelude::*;
 use crate::scene::{Array, Axis, Bead, Key, Obstacle, Origin, PartValue, Plane, Scene, Signature, Surface, Value};
 
 /// Information about a solve, written beside the scene so that a result can be reproduced.

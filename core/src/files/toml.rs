@@ -1,9 +1,5 @@
 //! TOML, parsed into a tree of values; and the place of a value in the text.
 
-use alloc::format;
-use alloc::string::ToString;
-use alloc::vec::Vec;
-
 use ::toml::Spanned;
 use ::toml::de::{DeInteger, DeTable, DeValue, Error};
 
@@ -11,6 +7,7 @@ use crate::error::one_line;
 use crate::files::node::Node;
 use crate::files::step::{Place, Step};
 use crate::files::syntax::Flaw;
+use crate::prelude::*;
 
 /// Whole numbers from 1e38 on are rejected as too large.
 const MOST: f64 = 1e38;

@@ -1,12 +1,10 @@
 //! Writes a tree of values as TOML or JSON.
 
-use alloc::format;
-use alloc::string::{String, ToString};
-use alloc::vec::Vec;
 use core::fmt::Write;
 use core::slice;
 
 use crate::files::node::Node;
+use crate::prelude::*;
 
 /// Writes a value as JSON, each level indented by two more spaces. `line` is a line break with the indentation of this level.
 pub(super) fn json(node: &Node, line: &str, text: &mut String) {

@@ -13,18 +13,15 @@
 //! derivatives of p give the force at some places in a smaller ball, by `response`. A polynomial of degree 6 fitted to these
 //! forces is accurate to 1e-3.
 
-use alloc::vec;
-use alloc::vec::Vec;
 use core::f64::consts::PI;
 
 use num_complex::{Complex32, Complex64};
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::LANES;
 use crate::kernels::around::{Ball, VALUES, WAYS, forces};
 use crate::kernels::flight::TERMS;
 use crate::math;
+use crate::prelude::*;
 use crate::propagation::field::field;
 use crate::propagation::forces::response::coefficients;
 use crate::propagation::model::Model;

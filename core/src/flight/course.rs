@@ -1,14 +1,12 @@
 //! Course: radiation and points of a sequence at knots (interpolation nodes in time), linear between knots.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
 use num_complex::{Complex32, Complex64};
 
-use crate::control::{Control, bytes};
-use crate::error::{Error, one_each, real};
+use crate::control::bytes;
+use crate::error::{one_each, real};
 use crate::flight::envelope::Envelope;
 use crate::math;
+use crate::prelude::*;
 use crate::propagation::Model;
 use crate::propagation::forces::rest::poised;
 use crate::scene::Bead;

@@ -5,14 +5,11 @@
 //! place relative to this centre. Its coefficients are known at knots (interpolation nodes in time), and change
 //! linearly from one knot to the next.
 
-use alloc::format;
-use alloc::vec::Vec;
-
-use crate::control::Control;
-use crate::error::{Error, real};
+use crate::error::real;
 use crate::kernels::InstructionSet;
 use crate::kernels::flight::{Beads, Laws, Layer, MODES, advance, begin, radii};
 use crate::math;
+use crate::prelude::*;
 use crate::scene::Medium;
 use crate::scene::Particle;
 use crate::scene::geometry::vector;

@@ -2,13 +2,12 @@
 //!
 //! A transducer is a first-order system: its radiation y follows its drive q by y' = (q - y)/tau.
 
-use alloc::vec;
-use alloc::vec::Vec;
 use core::ops::Range;
 
 use num_complex::{Complex32, Complex64};
 
 use crate::math;
+use crate::prelude::*;
 
 /// Number of time constants after which an earlier drive has no effect: e^-40 is below the rounding error.
 const FORGOTTEN: f64 = 40.0;

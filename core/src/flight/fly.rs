@@ -1,18 +1,17 @@
 //! Fly: simulates beads in the traps of a sequence; which beads are lost, and when.
 
 use alloc::collections::BTreeMap;
-use alloc::vec;
-use alloc::vec::Vec;
 use core::array;
 
 use num_complex::Complex32;
 
-use crate::control::{Control, bytes};
-use crate::error::{Error, one_each};
+use crate::control::bytes;
+use crate::error::one_each;
 use crate::flight::around::{Around, Polynomial};
 use crate::flight::course::Course;
 use crate::flight::dynamics::{Flight, Force, State, begun, continued};
 use crate::math;
+use crate::prelude::*;
 use crate::propagation::Model;
 use crate::scene::geometry::check_finite;
 use crate::scene::{Bead, distance};

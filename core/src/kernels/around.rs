@@ -2,12 +2,11 @@
 
 #![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
 
-use alloc::vec;
-
 use crate::kernels::flight::TERMS;
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::Elementwise;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::prelude::*;
 
 /// Number of values at a place: the pressure and its derivatives up to the third, along [`WAYS`].
 pub(crate) const VALUES: usize = 20;

@@ -18,12 +18,11 @@
 //! Plain loops without fused products: every instruction set gives the same bits.
 #![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::phasor::close_phasor;
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, list, loaded, ray, runs, scaled, total};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::waves::{Emitters, Slopes, Waves, against, decay, even};
+use crate::prelude::*;
 
 /// Number of blocks of eight transducers between two checks for a stop.
 const RUN: usize = 32;

@@ -1,11 +1,10 @@
 //! Cholesky factor U, A = U^T U, of a symmetric matrix A with padded rows, and the solution of A x = b.
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::lanes::{LANES, groups, groups_mut, padded};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::math::sqrtf;
+use crate::prelude::*;
 
 /// Number of lane groups of a row that stay in registers while multiples of the rows above are subtracted.
 const WIDE: usize = 4;

@@ -15,15 +15,12 @@
 //! Plain loops without fused products: every instruction set gives the same bits.
 #![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
 
-use alloc::vec::Vec;
-
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::backward::{Pull, Senders};
 use crate::kernels::derivatives::{MORE_TERMS, TERMS, expand};
 use crate::kernels::simd::doubles::{Doubles, EIGHT, V, dot, list, loaded, ray, runs, total};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::waves::{C, Emitters, Slopes, Waves};
+use crate::prelude::*;
 
 /// Number of blocks of eight transducers between two checks for a stop.
 const RUN: usize = 8;

@@ -15,13 +15,12 @@
 //! Plain loops without fused products: every instruction set gives the same bits.
 #![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::phasor::phasor;
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, loaded, ray, runs, scaled, total};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::waves::{C, Emitters, Slopes, Waves, even};
 use crate::math::exp;
+use crate::prelude::*;
 
 /// Number of monomials x^a y^b z^c of degree up to 3, in this order: 1; x, y, z; x^2, xy, xz, y^2, yz, z^2; ...
 pub(crate) const TERMS: usize = 20;

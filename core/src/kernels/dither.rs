@@ -15,12 +15,11 @@ use core::ops::Range;
 
 use num_complex::Complex32;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::lanes::{groups, groups_mut};
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::prelude::*;
 
 /// Values at the points; all lists have the same padded length.
 pub(crate) struct Points<'a> {

@@ -5,10 +5,9 @@
 //! the sums of iterators in registers.
 #![allow(clippy::needless_range_loop, reason = "counted loops keep their sums in registers")]
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::math::sqrt;
+use crate::prelude::*;
 
 /// Number of lanes; rows are padded to a multiple of it.
 pub(crate) const WIDE: usize = 4;

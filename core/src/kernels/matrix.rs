@@ -2,13 +2,12 @@
 
 use num_complex::Complex32;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::propagate::field::add_field;
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::vector::{add_row, correlation};
+use crate::prelude::*;
 
 /// Number of rows that one pass over a vector multiplies: their sums fill a lane group.
 const TOGETHER: usize = LANES / 2;

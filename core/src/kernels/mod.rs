@@ -4,55 +4,31 @@
 //! [`LANES`]. Each loop is written once over [`simd::Simd`], with 16 lanes and a fixed order of sums, and compiled for
 //! every [`InstructionSet`].
 
-#[forbid(unsafe_code)]
 pub(crate) mod around;
-#[forbid(unsafe_code)]
 pub(crate) mod backward;
-#[forbid(unsafe_code)]
 pub(crate) mod cholesky;
-#[forbid(unsafe_code)]
 pub(crate) mod closed_form;
-#[forbid(unsafe_code)]
 pub(crate) mod contraction;
-#[forbid(unsafe_code)]
 pub(crate) mod derivatives;
-#[forbid(unsafe_code)]
 pub(crate) mod dither;
-#[forbid(unsafe_code)]
 pub(crate) mod double;
-#[forbid(unsafe_code)]
 pub(crate) mod flight;
-#[forbid(unsafe_code)]
 pub(crate) mod greedy;
-#[forbid(unsafe_code)]
 pub(crate) mod grid;
-#[forbid(unsafe_code)]
 pub(crate) mod lanes;
-#[forbid(unsafe_code)]
 pub(crate) mod limit;
-#[forbid(unsafe_code)]
 pub(crate) mod matrix;
-#[forbid(unsafe_code)]
 pub(crate) mod panels;
-#[forbid(unsafe_code)]
 pub(crate) mod phasor;
-#[forbid(unsafe_code)]
 pub(crate) mod propagate;
-#[forbid(unsafe_code)]
 pub(crate) mod pulses;
 pub(crate) mod simd;
-#[forbid(unsafe_code)]
 pub(crate) mod sparse;
-#[forbid(unsafe_code)]
 #[cfg(test)]
 mod tests;
-#[forbid(unsafe_code)]
 pub(crate) mod tiles;
-#[forbid(unsafe_code)]
 pub(crate) mod track;
-#[forbid(unsafe_code)]
 pub(crate) mod vector;
-#[forbid(unsafe_code)]
 pub(crate) mod waves;
 
 pub(crate) use greedy::candidates::{Candidates, PhaseRange, table};

@@ -10,13 +10,13 @@
 //! many ticks, which are nearly equal, two edges on either side are compared. The origin of the phases is where the
 //! edges differ least from equally spaced ones.
 
-use alloc::vec::Vec;
 use core::f32::consts::TAU;
 
 use num_complex::{Complex32, Complex64};
 
 use crate::math;
 use crate::math::sqrtf;
+use crate::prelude::*;
 
 /// BESIDE edges are compared with a place: two before it and two after it. If there are at most FEW edges, whose
 /// distances may be uneven, all edges are compared.

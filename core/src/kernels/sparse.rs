@@ -6,11 +6,8 @@
 //! The method is that of T. A. Davis, "Direct Methods for Sparse Linear Systems" (SIAM 2006), chapters 4 and 6:
 //! elimination tree, left-looking factorisation.
 
-use alloc::vec;
-use alloc::vec::Vec;
+use crate::prelude::*;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
 /// Number of shifts whose systems are solved at once.

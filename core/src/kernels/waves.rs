@@ -3,10 +3,8 @@
 //! Plain loops without fused products: every instruction set gives the same bits.
 #![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
 
-use alloc::boxed::Box;
-use alloc::vec::Vec;
-
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, list};
+use crate::prelude::*;
 
 /// Number of Taylor coefficients of D by c = cos(theta): D, D', D''/2, D'''/6, D''''/24.
 pub(crate) const SLOPES: usize = 5;

@@ -1,11 +1,10 @@
 //! The leading eigenvector of a Hermitian matrix, by the Lanczos method.
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels;
 use crate::kernels::InstructionSet;
 use crate::linalg::{Planar, times};
 use crate::math::{sqrt, sqrtf};
+use crate::prelude::*;
 use crate::workspace::Workspace;
 
 /// Number of Lanczos vectors in a cycle: enough for every eigenvalue gap in trials within a few cycles.

@@ -8,11 +8,11 @@ pub(crate) mod symmetric;
 
 pub(crate) use leading_eigenvector::leading_eigenvector;
 
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
 use crate::kernels;
 use crate::kernels::InstructionSet;
 use crate::kernels::cholesky;
+use crate::prelude::*;
 use crate::workspace::{Buffer, Workspace};
 
 /// A complex vector or matrix of padded rows: real and imaginary parts in separate lists.

@@ -1,12 +1,10 @@
 //! Contours as points: equal steps along each, and no two points nearer than half a step.
 
 use alloc::collections::BTreeMap;
-use alloc::format;
-use alloc::vec;
-use alloc::vec::Vec;
 
-use crate::error::{Error, real};
+use crate::error::real;
 use crate::math;
+use crate::prelude::*;
 use crate::scene::{distance, short};
 
 /// Default distance of neighbours in m: a quarter of the wavelength at 40 kHz and 340 m/s.

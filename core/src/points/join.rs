@@ -4,16 +4,13 @@
 //! point's slot. All other points of the first path fade to 0. All other points of the second path rise from 0, in slots whose
 //! target is 0 or in new slots. A slot with target 0 has no point; only such a slot may change its place suddenly.
 
-use alloc::format;
-use alloc::string::String;
 use alloc::sync::Arc;
-use alloc::vec;
-use alloc::vec::Vec;
 
-use crate::error::{Error, real};
+use crate::error::real;
 use crate::math;
 use crate::points::modulation::ROUNDING;
 use crate::points::path::{Course, Link, Moment, Path};
+use crate::prelude::*;
 use crate::scene::{distance, figures};
 
 /// Two closed paths played together must return to their starts within this many laps of one of them.

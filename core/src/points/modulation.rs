@@ -1,11 +1,10 @@
 //! Modulation: factors of a target that repeat, 1 - depth + depth s(t).
 
-use alloc::format;
-use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
-use crate::error::{Error, find, real};
+use crate::error::{find, real};
 use crate::math;
+use crate::prelude::*;
 
 /// Tolerance of times, relative to a frame or a period, so that rounding errors never decide whether a time is before or after
 /// a jump.

@@ -1,16 +1,13 @@
 //! Paths: points that move for a time, each with a target, as functions of time.
 
-use alloc::format;
-use alloc::string::String;
 use alloc::sync::Arc;
-use alloc::vec;
-use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-use crate::error::{Error, real};
+use crate::error::real;
 use crate::math;
 use crate::points::curve::Curve;
 use crate::points::modulation::{Modulation, ROUNDING};
+use crate::prelude::*;
 use crate::scene::{distance, figures};
 
 /// Largest coordinate in m; points farther away are rejected.

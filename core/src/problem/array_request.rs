@@ -1,14 +1,13 @@
 //! ArrayRequest: targets and weights of all points in Pa, and the factor that scales targets to the balanced level.
 
-use alloc::format;
 use alloc::sync::Arc;
-use alloc::vec::Vec;
 
 use num_complex::{Complex32, Complex64};
 
-use crate::error::{Error, ErrorCode};
+use crate::error::ErrorCode;
 use crate::kernels::padded;
 use crate::math;
+use crate::prelude::*;
 use crate::problem::metrics::Metrics;
 use crate::problem::setup::Setup;
 use crate::propagation::Propagation;

@@ -1,13 +1,9 @@
 //! Feasibility: the pressures that an array can reach at the points, and requests that are proven to exceed them.
 
-use alloc::format;
-use alloc::string::String;
-use alloc::vec;
-use alloc::vec::Vec;
 use core::fmt;
 
-use crate::control::Control;
-use crate::error::{Error, ErrorCode, Notice};
+use crate::error::{ErrorCode, Notice};
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::problem::upper_bound::{FEW_POINTS, rough_bound};
 use crate::scene::Aim;

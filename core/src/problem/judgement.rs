@@ -1,12 +1,9 @@
 //! Judgement: computes the metrics of fields and drives for the targets of a problem.
 
-use alloc::vec;
-
 use num_complex::{Complex32, Complex64};
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::math;
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::problem::array_request::ArrayRequest;
 use crate::problem::metrics::Metrics;

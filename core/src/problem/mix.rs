@@ -14,10 +14,10 @@
 
 use num_complex::Complex32;
 
-use crate::control::Control;
 use crate::kernels::dither;
 use crate::linalg::Planar;
 use crate::math;
+use crate::prelude::*;
 use crate::problem::array_request::ArrayRequest;
 use crate::propagation::field_of;
 use crate::rng::Rng;

@@ -23,16 +23,14 @@ pub use status::Status;
 pub use upper_bound::bound;
 
 use alloc::borrow::Cow;
-use alloc::format;
 use alloc::sync::Arc;
-use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
-use crate::control::Control;
 use crate::device::quantization::Quantization;
-use crate::error::{Error, one_each};
+use crate::error::one_each;
 use crate::kernels::{InstructionSet, Rows};
+use crate::prelude::*;
 use crate::problem::array_request::ArrayRequest;
 use crate::propagation::reach::Amplitudes;
 use crate::propagation::{Model, Propagation};

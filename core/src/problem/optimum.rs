@@ -19,11 +19,11 @@ use core::f64::consts::PI;
 
 use num_complex::Complex64;
 
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
 use crate::kernels::InstructionSet;
 use crate::kernels::double::{self, MOST_ROWS};
 use crate::math::{cos, sin, sqrt};
+use crate::prelude::*;
 use crate::workspace::{Buffer, Workspace};
 
 /// The most points: for more points, there are too many boxes of phases.

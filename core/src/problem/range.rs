@@ -5,9 +5,9 @@
 //! in f32.
 
 use alloc::sync::Arc;
-use alloc::vec::Vec;
 use core::ops::RangeInclusive;
 
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::workspace::Workspace;
 

@@ -1,14 +1,12 @@
 //! Rounding: lowers a solution to its targets, and rounds its drives to what the board can play.
 
 use alloc::sync::Arc;
-use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels;
 use crate::linalg::Planar;
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::problem::mix::{ALIKE, mix};
 use crate::problem::solution::{Solution, divided};

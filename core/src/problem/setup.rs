@@ -7,7 +7,8 @@ use num_complex::Complex32;
 
 use crate::device::channels::Channels;
 use crate::device::quantization::Quantization;
-use crate::error::{Error, one_each};
+use crate::error::one_each;
+use crate::prelude::*;
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Array, Bead, Medium, check_drive, check_positions};
 

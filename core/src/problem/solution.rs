@@ -1,16 +1,13 @@
 //! Solution: a drive that the board can play, its pressures, status and metrics.
 
-use alloc::format;
 use alloc::sync::Arc;
-use alloc::vec;
-use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
-use crate::control::Control;
-use crate::error::{Error, one_each, real};
+use crate::error::{one_each, real};
 use crate::linalg::Planar;
 use crate::math;
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::problem::array_request::ArrayRequest;
 use crate::problem::metrics::Metrics;

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::error::Error;
+use crate::prelude::*;
 
 /// How a solve ended. It is part of the result, never an error. C and JavaScript get its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -17,15 +17,11 @@
 //! components instead of one number (Burer and Monteiro 2003), and each point a vector of pressures. Points with too low a
 //! level gain weight. d_i is the length by which the vector of transducer i is normalised.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
 use num_complex::Complex64;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::double::SPAN;
 use crate::math::sqrt;
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::problem::optimum::{self, Effort, ROUNDING};
 use crate::rng::Rng;

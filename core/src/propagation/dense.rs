@@ -1,12 +1,9 @@
 //! Dense: the whole matrix G, computed for some points at a time.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
 use num_complex::{Complex32, Complex64};
 
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
+use crate::prelude::*;
 use crate::propagation::Propagation;
 
 /// The number of entries of the propagation matrix G that are computed together. The memory of a block is not touched

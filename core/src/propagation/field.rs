@@ -1,16 +1,14 @@
 //! Field p = G q of a drive: at any points over all threads, and at the points of a problem.
 
 use alloc::sync::Arc;
-use alloc::vec;
-use alloc::vec::Vec;
 
 use num_complex::{Complex32, Complex64};
 
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
 use crate::kernels;
 use crate::kernels::{ControlPoints, InstructionSet, Rows, padded};
 use crate::linalg::Planar;
+use crate::prelude::*;
 use crate::propagation::Propagation;
 use crate::propagation::model::Model;
 use crate::propagation::scattering::bodies::Bodies;

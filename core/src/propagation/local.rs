@@ -13,12 +13,12 @@
 //! degree 13. Derivatives up to the fourth need the orders l up to 4. The rule separates these orders from all others
 //! below 10. r^l P_l(s . x/r) is a polynomial in x.
 
-use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
 
 use crate::math;
+use crate::prelude::*;
 use crate::propagation::jet::{Jet, TERMS};
 use crate::propagation::scattering::sphere::gauss;
 use crate::scene::Medium;

@@ -1,14 +1,12 @@
 //! Model: an array in a medium, prepared once for control points that change.
 
-use alloc::string::String;
 use alloc::sync::Arc;
 
 use num_complex::Complex32;
 
-use crate::control::Control;
 use crate::device::channels::Channels;
-use crate::error::Error;
 use crate::kernels::InstructionSet;
+use crate::prelude::*;
 use crate::propagation::Propagation;
 use crate::propagation::recipe::{Known, Make, Recipe};
 use crate::propagation::scattering::Scattering;

@@ -1,13 +1,10 @@
 //! Reach: the sum of |G| at each point, the pressure that all transducers in phase give there.
 
-use alloc::vec::Vec;
-
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::lanes::Line;
 use crate::kernels::propagate::rows;
 use crate::kernels::{self, LANES, Run};
 use crate::math;
+use crate::prelude::*;
 use crate::propagation::sources::Sources;
 use crate::propagation::{Propagation, Rows};
 

@@ -1,15 +1,11 @@
 //! Recipe: the parts of a stored propagation matrix G, where no kernel computes it: obstacles, a signature, channels.
 
-use alloc::format;
 use alloc::sync::Arc;
-use alloc::vec;
-use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
-use crate::control::Control;
 use crate::device::channels::Channels;
-use crate::error::Error;
+use crate::prelude::*;
 use crate::propagation::forces::stiffness::Stiffness;
 use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;

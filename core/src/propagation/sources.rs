@@ -1,14 +1,11 @@
 //! Sources: an array's transducers, prepared for the kernels, and their waves in f64 by eq. (5) of Suzuki et al. 2021.
 
-use alloc::format;
-use alloc::vec;
-use alloc::vec::Vec;
-
 use num_complex::Complex64;
 
-use crate::error::{Error, ErrorCode};
+use crate::error::ErrorCode;
 use crate::kernels::{Radiation, Source, SourceList, padded};
 use crate::math;
+use crate::prelude::*;
 use crate::scene::{Array, Medium, check_places, distance};
 use crate::vec3::Vec3;
 

@@ -7,13 +7,13 @@
 
 use core::ops::Range;
 
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
 use crate::kernels::LANES;
 use crate::kernels::tiles::products;
 use crate::kernels::tiles::{self, Tiles};
 use crate::linalg::Planar;
 use crate::math::sqrtf;
+use crate::prelude::*;
 use crate::propagation::Propagation;
 use crate::workspace::{Aligned, Buffer, Workspace};
 

@@ -1,16 +1,12 @@
 //! Taylor: the waves of an array's transducers as Taylor polynomials around a point, exact up to degree 4.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
 use num_complex::Complex64;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::InstructionSet;
 use crate::kernels::derivatives;
 use crate::kernels::simd::doubles::{EIGHT, Eight};
 use crate::kernels::waves::{Emitters, Waves};
+use crate::prelude::*;
 use crate::propagation::jet::{Jet, TERMS};
 use crate::propagation::sources::Sources;
 

@@ -1,9 +1,8 @@
 //! Air: sound speed, density and absorption as functions of temperature, humidity and air pressure (ISO 9613-1).
 
-use alloc::format;
-
-use crate::error::{Error, real};
+use crate::error::real;
 use crate::math;
+use crate::prelude::*;
 use crate::scene::medium::Medium;
 
 /// 0 degrees C, in K.

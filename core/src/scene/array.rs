@@ -1,16 +1,14 @@
 //! Array: positions, normals, transducer, response, mask, channels and quantization.
 
-use alloc::format;
 use alloc::sync::Arc;
-use alloc::vec;
-use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
 use crate::device::channels::Channels;
 use crate::device::quantization::Quantization;
-use crate::error::{Error, one_each, real};
+use crate::error::{one_each, real};
 use crate::math;
+use crate::prelude::*;
 use crate::scene::geometry::{bounds, check_finite, lattice};
 use crate::scene::medium::Medium;
 use crate::scene::origin::Origin;

@@ -1,6 +1,6 @@
 //! Bead: the sphere that traps are made for, and its gravity.
 
-use crate::error::Error;
+use crate::prelude::*;
 use crate::scene::geometry::vector;
 use crate::scene::key::{Key, numbers};
 

@@ -1,6 +1,6 @@
 //! Body: declares the obstacles that a few numbers describe, once for scene files and bindings.
 
-use alloc::vec::Vec;
+use crate::prelude::*;
 
 /// A type that is made from a fixed count of numbers: a scalar or an array.
 pub(crate) trait Numbers {

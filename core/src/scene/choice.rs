@@ -1,8 +1,7 @@
 //! Choice: a solver by its name and its options, as in a scene file or a binding.
 
-use alloc::string::String;
-
-use crate::error::{Error, same_name};
+use crate::error::same_name;
+use crate::prelude::*;
 use crate::scene::aim::Aim;
 use crate::scene::value::{OptionValue, Options, Value};
 

@@ -1,8 +1,7 @@
 //! Extent: rejects coordinates that are so far from the array that phases in f32 become inaccurate.
 
-use alloc::format;
-
-use crate::error::{Error, ErrorCode};
+use crate::error::ErrorCode;
+use crate::prelude::*;
 use crate::scene::array::Array;
 use crate::scene::geometry::vector;
 use crate::scene::medium::Medium;

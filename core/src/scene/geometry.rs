@@ -1,9 +1,7 @@
 //! Geometry: lattices of positions, bounding boxes, distances, and checks of coordinates.
 
-use alloc::format;
-use alloc::vec::Vec;
-
-use crate::error::{Error, ErrorCode, one_each};
+use crate::error::{ErrorCode, one_each};
+use crate::prelude::*;
 use crate::vec3::Vec3;
 
 /// Returns `nx` x `ny` positions `pitch` metres apart, centred on the origin; x varies fastest.

@@ -1,11 +1,9 @@
 //! Join: one array of several, such as the boards of a rig.
 
-use alloc::format;
-use alloc::vec::Vec;
-
 use num_complex::Complex64;
 
-use crate::error::Error;
+use crate::prelude::*;
+
 use crate::scene::array::Array;
 
 impl Array {

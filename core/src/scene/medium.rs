@@ -2,8 +2,9 @@
 
 use num_complex::Complex64;
 
-use crate::error::{Error, real};
+use crate::error::real;
 use crate::math;
+use crate::prelude::*;
 use crate::scene::key::numbers;
 
 numbers! {

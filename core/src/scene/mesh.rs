@@ -1,12 +1,9 @@
 //! Mesh: the closed surface of a body as triangles, checked once.
 
 use alloc::collections::BTreeMap;
-use alloc::format;
-use alloc::string::String;
-use alloc::vec::Vec;
 
-use crate::error::Error;
 use crate::math;
+use crate::prelude::*;
 use crate::scene::geometry::bounds;
 use crate::scene::geometry::vector;
 use crate::scene::surface::Surface;

@@ -58,11 +58,8 @@ pub use transducer::Transducer;
 pub(crate) use value::words;
 pub use value::{OptionValue, Options, Value, spell, word};
 
-use alloc::format;
-use alloc::string::String;
-use alloc::vec::Vec;
-
-use crate::error::{Error, Notice};
+use crate::error::Notice;
+use crate::prelude::*;
 
 /// The factor between the allowed distances of a trap and of a focus from the plane of a picture. For a trap the allowed
 /// distance is then half a wavelength, which contains the loud shell around the trap.

@@ -1,7 +1,6 @@
 //! Neighbours: finds a pair of places nearer than a given distance, by sorting along one direction.
 
-use alloc::vec::Vec;
-
+use crate::prelude::*;
 use crate::scene::geometry::distance;
 
 /// The direction along which places are sorted. No side or diagonal of a lattice is normal to it, so neighbours in a lattice

@@ -1,11 +1,9 @@
 //! Obstacles: bodies that reflect or scatter waves, checked once against the array.
 
-use alloc::format;
-use alloc::string::String;
 use alloc::sync::Arc;
-use alloc::vec::Vec;
 
-use crate::error::{Error, ErrorCode, Notice, real};
+use crate::error::{ErrorCode, Notice, real};
+use crate::prelude::*;
 use crate::scene::body::obstacles;
 use crate::scene::geometry::distance;
 use crate::scene::geometry::vector;

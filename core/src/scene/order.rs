@@ -3,14 +3,10 @@
 //! Each board of an array may stand anywhere and be turned. On a board of fixed places, a transducer stands where its channel
 //! is. Boards that each owner wires have any places; only places of a known array of such a board must be in its order.
 
-use alloc::format;
-use alloc::string::{String, ToString};
-use alloc::vec;
-use alloc::vec::Vec;
-
 use crate::device::board::{self, Board};
 use crate::device::format::{Format, Layout};
-use crate::error::{Error, ErrorCode, Notice};
+use crate::error::{ErrorCode, Notice};
+use crate::prelude::*;
 use crate::scene::array::Array;
 use crate::scene::geometry::{distance, middle};
 use crate::scene::pose::Pose;

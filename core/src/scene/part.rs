@@ -1,13 +1,10 @@
 //! Part: optional data of an array beside its positions, such as a mask. Each part is declared once here for all bindings.
 
-use alloc::format;
-use alloc::vec;
-use alloc::vec::Vec;
-
 use num_complex::Complex64;
 
 use crate::device::quantization::Quantization;
-use crate::error::{Error, same_name};
+use crate::error::same_name;
+use crate::prelude::*;
 use crate::scene::array::Array;
 use crate::scene::directivity::Directivity;
 use crate::scene::key::Key;

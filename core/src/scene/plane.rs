@@ -1,10 +1,9 @@
 //! Plane: a square of pixels normal to an axis, for pictures of the field; and how planes are chosen that show given points.
 
-use alloc::format;
-use alloc::vec::Vec;
 use core::fmt;
 
-use crate::error::{Error, find, real};
+use crate::error::{find, real};
+use crate::prelude::*;
 use crate::scene::geometry::bounds;
 use crate::scene::geometry::vector;
 

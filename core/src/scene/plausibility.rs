@@ -3,12 +3,10 @@
 //! The limits are chosen so that every array that has been built is within all of them, and that an error by a factor of 1000
 //! exceeds one.
 
-use alloc::format;
-use alloc::string::String;
-use alloc::vec::Vec;
 use core::ops::RangeInclusive;
 
 use crate::error::{ErrorCode, Notice};
+use crate::prelude::*;
 use crate::scene::array::Array;
 use crate::scene::bead::{Bead, Particle};
 use crate::scene::geometry::distance;

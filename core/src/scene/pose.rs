@@ -1,12 +1,10 @@
 //! Pose: a rotation and a translation, by which an array is moved.
 
-use alloc::format;
-use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-use crate::error::Error;
 use crate::linalg::symmetric::eigen;
 use crate::math;
+use crate::prelude::*;
 use crate::scene::geometry::{middle, vector};
 use crate::vec3::Vec3;
 

@@ -1,13 +1,12 @@
 //! Signature: factors of modulus 1 for each transducer and point that turn a focus into a trap.
 
-use alloc::format;
 use alloc::sync::Arc;
-use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
-use crate::error::{Error, find, one_each};
+use crate::error::{find, one_each};
 use crate::math;
+use crate::prelude::*;
 use crate::scene::Array;
 use crate::vec3::Vec3;
 

@@ -1,12 +1,10 @@
 //! Start: the drive or the phases at the points from which an iterative method begins; and the check of a drive.
 
-use alloc::format;
-use alloc::vec::Vec;
-
 use num_complex::Complex32;
 
-use crate::error::{Error, one_each};
+use crate::error::one_each;
 use crate::math;
+use crate::prelude::*;
 
 /// Where an iterative method begins.
 #[derive(Clone, Debug, PartialEq)]

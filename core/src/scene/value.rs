@@ -1,12 +1,10 @@
 //! Values: options as bindings pass them, and their conversion to Rust types.
 
 use alloc::collections::BTreeMap;
-use alloc::format;
-use alloc::string::{String, ToString};
-use alloc::vec::Vec;
 use core::fmt;
 
-use crate::error::{Error, same_name};
+use crate::error::same_name;
+use crate::prelude::*;
 
 /// The value of an option, as a binding passes it.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,9 +1,8 @@
 //! Walls: infinite planes as obstacles, each with a mirror that faces the array.
 
-use alloc::format;
-
-use crate::error::{Error, ErrorCode};
+use crate::error::ErrorCode;
 use crate::math;
+use crate::prelude::*;
 use crate::scene::geometry::vector;
 use crate::scene::surface::{ON, Surface};
 use crate::scene::{Array, Medium};

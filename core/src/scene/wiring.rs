@@ -1,14 +1,12 @@
 //! Wiring: transducers that share a channel, and the boards of an array.
 
-use alloc::format;
-use alloc::vec::Vec;
-
 use num_complex::Complex64;
 
 use crate::device::board::{self, Board};
 use crate::device::channels::Channels;
 use crate::device::format::Layout;
-use crate::error::{Error, one_each};
+use crate::error::one_each;
+use crate::prelude::*;
 use crate::scene::array::Array;
 
 impl Array {

@@ -1,12 +1,10 @@
 //! Batch: the results of many problems: pressures, metrics, scale, status and steps of each.
 
-use alloc::format;
-use alloc::string::String;
-use alloc::vec::Vec;
 use core::cmp::Reverse;
 
 use num_complex::Complex32;
 
+use crate::prelude::*;
 use crate::problem::{Metrics, Solution, Status};
 use crate::solvers::remark::{KINDS, Remark};
 

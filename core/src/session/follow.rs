@@ -1,11 +1,8 @@
 //! Follow: solves the frames of a motion one after another, each with the previous one as its start.
 
-use alloc::format;
-
 use num_complex::Complex32;
 
-use crate::control::Control;
-use crate::error::Error;
+use crate::prelude::*;
 use crate::problem::Status;
 use crate::scene::Start;
 use crate::session::{Session, SolveRequest};

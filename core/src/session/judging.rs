@@ -1,13 +1,10 @@
 //! Judging: computes the metrics of many drives, each at its own points, sixteen at a time, over all threads.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
 use num_complex::Complex32;
 
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
 use crate::kernels::LANES;
+use crate::prelude::*;
 use crate::problem::judgement::Precision;
 use crate::problem::metrics::Metrics;
 use crate::session::Session;

@@ -14,17 +14,14 @@ pub use moving::{FOLLOWER, Moving, Pace, Pull, Trajectory, meant, sight};
 pub use moving_solver::{MovingSolver, Played};
 pub use worker::SolveRequest;
 
-use alloc::format;
-use alloc::string::String;
 use alloc::sync::Arc;
-use alloc::vec;
-use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
-use crate::control::{Control, bytes};
-use crate::error::{Error, Notice};
+use crate::control::bytes;
+use crate::error::Notice;
 use crate::kernels::LANES;
+use crate::prelude::*;
 use crate::problem::{Problem, Setup, Solution};
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Choice, Options, Vicinity, contrary};

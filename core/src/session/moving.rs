@@ -1,20 +1,16 @@
 //! Moving: frames of points that move, the rules for what a request leaves out, and their solve one after another.
 
-use alloc::format;
-use alloc::string::String;
-use alloc::vec;
-use alloc::vec::Vec;
 use core::f64::consts::PI;
 use core::ops::Range;
 
 use num_complex::Complex32;
 
-use crate::control::Control;
 use crate::device::quantization::{Quantization, steps_within};
-use crate::error::{Error, ErrorCode, Notice, real};
+use crate::error::{ErrorCode, Notice, real};
 use crate::kernels::InstructionSet;
 use crate::math::{ceil, rint};
 use crate::points::{Path, PathFrames};
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::propagation::Model;
 use crate::propagation::forces::rest::{poised, rest};

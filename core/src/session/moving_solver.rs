@@ -1,15 +1,11 @@
 //! Moving solver: solves the frames of a motion block after block, one after another or together with later ones.
 
-use alloc::boxed::Box;
 use alloc::sync::Arc;
-use alloc::vec;
-use alloc::vec::Vec;
 use core::ops::Range;
 
 use num_complex::Complex32;
 
-use crate::control::Control;
-use crate::error::Error;
+use crate::prelude::*;
 use crate::propagation::Model;
 use crate::scene::Signature;
 use crate::sequence::horizon::{Horizon, Table, Tracks};

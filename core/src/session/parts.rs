@@ -1,10 +1,10 @@
 //! Parts of the output of a batch, one for each worker.
 
-use alloc::vec::Vec;
 use core::ops::Range;
 
 use num_complex::Complex32;
 
+use crate::prelude::*;
 use crate::problem::Solution;
 use crate::session::batch::Outcome;
 

@@ -1,13 +1,10 @@
 //! Worker: the memory in which one thread reads and solves requests, 16 at a time.
 
-use alloc::format;
 use alloc::sync::Arc;
-use alloc::vec::Vec;
 use core::ops::Range;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::LANES;
+use crate::prelude::*;
 use crate::problem::{Problem, Setup, Solution, Status};
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Aim, Request, Scene, Start};

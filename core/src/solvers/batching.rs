@@ -1,7 +1,6 @@
 //! Calls the interleaved batch of a solver that has one. Programs that do not use this module do not link that code.
 
-use alloc::vec::Vec;
-
+use crate::prelude::*;
 use crate::problem::{Problem, Solution};
 use crate::solvers::fast::Fast;
 use crate::solvers::greedy::Greedy;

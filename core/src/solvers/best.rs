@@ -1,7 +1,7 @@
 //! best: the loudest even field of many starts; like `uniform`, from many more point phases.
 
-use crate::control::Control;
-use crate::error::{Error, real};
+use crate::error::real;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution};
 use crate::solvers::even_field;
 use crate::solvers::even_field::run::{Plan, QUIET, SWEEPS};

@@ -2,8 +2,7 @@
 //!
 //! It is L-BFGS ([`crate::solvers::common::least_squares`]) with the steps of [`crate::solvers::even_field::nearest`].
 
-use crate::control::Control;
-use crate::error::Error;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution};
 use crate::solvers::common::least_squares::Task;
 use crate::solvers::even_field::nearest::nearest;

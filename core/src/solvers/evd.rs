@@ -6,11 +6,11 @@
 //! (G W^-2 G^H + I)^-1 p. gamma is an exponent, 1 in the paper. The authors of the greedy paper read a row of the
 //! eigenvectors' matrix and rescale q by a mean below 1; this method uses the eigenvector, unscaled.
 
-use crate::control::Control;
-use crate::error::{Error, real};
+use crate::error::real;
 use crate::linalg::leading_eigenvector;
 use crate::linalg::{Hermitian, Planar};
 use crate::math::{pow, sqrtf, unit};
+use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::propagation::Strips;
 use crate::solvers::amplitude_limit::AmplitudeLimit;

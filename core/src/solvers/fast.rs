@@ -14,19 +14,17 @@
 //! the same d, and their sums fill a register. A further sweep updates each transducer again, with a part `OWN` of its
 //! own wave removed from P, so that the members of a block do not all rotate at once.
 
-use alloc::vec::Vec;
 use core::any::Any;
 
 use num_complex::Complex32;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::closed_form;
 use crate::kernels::closed_form::interleaved_sweep;
 use crate::kernels::closed_form::{Memory, Sweep};
 use crate::kernels::grid::Phases;
 use crate::linalg::Planar;
 use crate::math::modulus;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::rng::Rng;
 use crate::solvers::common::interleaved_batch::InterleavedBatch;

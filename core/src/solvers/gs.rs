@@ -4,8 +4,7 @@
 //! = G^H p, keeps its phases and sets its moduli to 1. The paper's authors start from q = 1, too; starting from the
 //! back-projection changes sigma by .007.
 
-use crate::control::Control;
-use crate::error::Error;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution};
 use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::tiled::Rows;

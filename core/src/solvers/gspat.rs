@@ -5,10 +5,9 @@
 //! g/|g|^2 for the field g and the targets t. The amplitude is applied once. (The authors of the greedy paper also
 //! apply it to X, which has no effect when all are equal.)
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels;
 use crate::linalg::{Planar, times};
+use crate::prelude::*;
 use crate::problem::{Problem, Solution};
 use crate::propagation::Strips;
 use crate::solvers::amplitude_limit::AmplitudeLimit;

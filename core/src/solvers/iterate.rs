@@ -1,7 +1,6 @@
 //! The loop of iterative methods: step, tolerance, stop request, report.
 
-use crate::control::Control;
-use crate::error::Error;
+use crate::prelude::*;
 use crate::problem::{Problem, Status};
 
 /// Makes up to `steps` steps, until one meets the tolerance or a caller stops them. Returns the status and the number

@@ -1,9 +1,8 @@
 //! The last frame, stored by a solver that follows moving points.
 
-use alloc::vec::Vec;
-
 use num_complex::Complex32;
 
+use crate::prelude::*;
 use crate::workspace::Workspace;
 
 /// Returns q/|q| for a q that is 0 or has modulus 1 except for rounding, by one step of Newton's method.

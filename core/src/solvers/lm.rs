@@ -9,13 +9,13 @@ use core::f64::consts::TAU;
 
 use num_complex::Complex32;
 
-use crate::control::Control;
-use crate::error::{Error, real};
+use crate::error::real;
 use crate::kernels;
 use crate::kernels::padded;
 use crate::linalg::Planar;
 use crate::math;
 use crate::math::{sqrt, sqrtf};
+use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::rng::Rng;
 use crate::solvers::common::alternating_projection::Projector;

@@ -2,9 +2,9 @@
 
 use core::any::Any;
 
-use crate::control::Control;
 use crate::device::quantization::Quantization;
-use crate::error::{Error, real};
+use crate::error::real;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution};
 use crate::scene::Options;
 use crate::solvers::last::Last;

@@ -4,9 +4,8 @@
 //! the only point (phase 0 where targets have no phases). The method ignores the effect of the foci on each other. It
 //! is the baseline for all other methods (the back-projection with which Marzo et al. 2019 and others start).
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::linalg::Planar;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::propagation::Strips;
 use crate::solvers::amplitude_limit::AmplitudeLimit;

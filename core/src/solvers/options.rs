@@ -1,8 +1,7 @@
 //! Options of a solver, declared once: struct, defaults, documentation, and reading by name.
 
-use alloc::vec::Vec;
+use crate::prelude::*;
 
-use crate::error::Error;
 use crate::scene::{OptionValue, Options, Value};
 
 /// The description of one option.

@@ -1,13 +1,9 @@
 //! The registry: every solver by name, one line for each.
 
-use alloc::boxed::Box;
-use alloc::format;
-use alloc::string::String;
-use alloc::vec::Vec;
-
 use crate::device::quantization::Quantization;
 use crate::error;
-use crate::error::{Error, ErrorCode, same_name};
+use crate::error::{ErrorCode, same_name};
+use crate::prelude::*;
 use crate::scene::{Choice, Options, Value};
 use crate::solvers::best::Best;
 use crate::solvers::bounded::Bounded;

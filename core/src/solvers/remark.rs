@@ -3,14 +3,13 @@
 //! They concern targets that are beyond reach or too weak, phases that are not used, a remaining scale, a bound that
 //! allows no change, and a focus so loud that harmonics matter.
 
-use alloc::format;
-use alloc::vec::Vec;
 use core::f64::consts::TAU;
 use core::fmt;
 
 use crate::device::quantization::steps_within;
 use crate::error::{ErrorCode, Notice};
 use crate::math;
+use crate::prelude::*;
 use crate::problem::{Beyond, Problem, Solution};
 use crate::scene::Aim;
 use crate::solvers::even_field::quiet::silenceable;

@@ -7,13 +7,13 @@
 //! the column of Q without its diagonal, x = X m and g = x^H m, the column becomes -sqrt(lambda/g) x, or 0. The leading
 //! eigenvector of X is u, with its raw moduli (as in the paper, which loses points) or with moduli 1.
 
-use crate::control::Control;
-use crate::error::{Error, real};
+use crate::error::real;
 use crate::kernels;
 use crate::kernels::InstructionSet;
 use crate::linalg::leading_eigenvector;
 use crate::linalg::{Hermitian, Planar, times};
 use crate::math::{sqrt, sqrtf};
+use crate::prelude::*;
 use crate::problem::{Problem, Solution};
 use crate::propagation::Strips;
 use crate::rng::Rng;

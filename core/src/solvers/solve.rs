@@ -1,12 +1,8 @@
 //! The entry point: balance, solve, round to the board, report.
 
-use alloc::format;
-use alloc::vec::Vec;
-
 use num_complex::Complex32;
 
-use crate::control::Control;
-use crate::error::Error;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::solvers::batching;
 use crate::solvers::last::Last;

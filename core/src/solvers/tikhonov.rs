@@ -4,10 +4,10 @@
 //! with p the targets. Weights multiply rows of G and p by their square roots. If the phases at the points are free, 0
 //! is a poor choice; the paper's methods differ in how they choose better ones.
 
-use crate::control::Control;
-use crate::error::{Error, real};
+use crate::error::real;
 use crate::linalg::{Hermitian, Planar};
 use crate::math::sqrtf;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::propagation::Strips;
 use crate::solvers::amplitude_limit::AmplitudeLimit;

@@ -1,7 +1,7 @@
 //! uniform: even points at the highest common level, or as loud as requested.
 
-use crate::control::Control;
-use crate::error::{Error, real};
+use crate::error::real;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution};
 use crate::solvers::even_field;
 use crate::solvers::even_field::run::{Plan, QUIET, SWEEPS};

@@ -3,9 +3,8 @@
 //! The weights are those of Di Leonardo, Ianni and Ruocco (Optics Express 15(4), 2007), but with a damped exponent:
 //! with the full ratio two points alternate. The solution is the iterate whose worst point is best.
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::math::sqrtf;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution};
 use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::tiled::{Rows, Wave};

@@ -1,11 +1,11 @@
 //! Discrete Fourier transforms, in place, of lists whose length n is a power of two.
 
-use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
 use num_complex::Complex64;
 
 use crate::math;
+use crate::prelude::*;
 
 /// Constants of the transforms of lists of one length n.
 #[derive(Debug)]

@@ -1,11 +1,8 @@
 //! Hand: the plane of a hand at points, and its touch under frames that repeat for ever.
 
-use alloc::format;
-use alloc::vec::Vec;
 use core::ops::Range;
 
-use crate::control::Control;
-use crate::error::Error;
+use crate::prelude::*;
 use crate::scene::{Array, Axis, Plane, distance};
 use crate::touch::membrane::Membrane;
 use crate::touch::skin::{Pushes, Skin};

@@ -11,15 +11,13 @@
 //! `K_0`. These waves decay to 1/e in about 2 c/(eta w), so that high frequencies spread less far than low ones. At
 //! 0 Hz an infinite membrane has no solution.
 
-use alloc::vec;
-use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
 
 use num_complex::{Complex32, Complex64};
 
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
 use crate::math;
+use crate::prelude::*;
 use crate::touch::bessel::{modified_bessel, turn};
 use crate::touch::fourier::Fourier;
 

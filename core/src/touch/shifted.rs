@@ -1,15 +1,11 @@
 //! Sparse systems (A + s B) x = b with a real symmetric A and a diagonal B, for many complex shifts s.
 
-use alloc::format;
-use alloc::vec;
-use alloc::vec::Vec;
-
 use num_complex::{Complex32, Complex64};
 
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
 use crate::kernels::InstructionSet;
 use crate::kernels::sparse::{Columns, Matrix, SHIFTS, Wide, solve};
+use crate::prelude::*;
 
 /// Systems (A + s B) x = b of finite elements: A is a stiffness (V, V), B a diagonal of masses, one for each corner
 /// (V,).

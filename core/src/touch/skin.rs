@@ -1,15 +1,12 @@
 //! Skin: the spectrum of radiation pressure in frames that repeat, the motion that it causes, and its felt strength.
 
-use alloc::vec;
-use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
 use core::ops::Range;
 
 use num_complex::Complex32;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::math;
+use crate::prelude::*;
 use crate::touch::membrane::Membrane;
 use crate::touch::thresholds::{Channel, HIGHEST, strength};
 

@@ -1,9 +1,7 @@
 //! Felt strength of a vibration of the palm, from the thresholds of its two tactile channels.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
 use crate::math;
+use crate::prelude::*;
 use crate::vec3::Vec3;
 
 /// Highest frequency, in Hz, of vibration that the skin perceives.

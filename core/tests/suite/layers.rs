@@ -15,6 +15,7 @@ const CORE: &[&str] = &[
     "error",
     "threads",
     "control",
+    "prelude",
     "math",
     "vec3",
     "rng",

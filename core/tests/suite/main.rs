@@ -1,5 +1,4 @@
 //! The tests of the core, in one binary.
-#![forbid(unsafe_code)]
 
 mod boards;
 mod channels;

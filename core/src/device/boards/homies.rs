@@ -5,7 +5,7 @@
 use crate::device::code::{Code, Levels, Steps};
 use crate::device::format::{Format, Layout, Reader, Writer, twice};
 use crate::device::link::Link;
-use crate::error::Error;
+use crate::prelude::*;
 
 const CHANNELS: usize = 128;
 /// The first byte of a word is SUFFIX, its lowest byte; the last is PREFIX, its highest byte.

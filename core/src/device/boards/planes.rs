@@ -2,7 +2,7 @@
 
 use crate::device::code::Code;
 use crate::device::format::Reader;
-use crate::error::Error;
+use crate::prelude::*;
 
 /// Writes N phases and then N levels for each board. The bit `begin` is set in the first byte of a board; 0 means no mark.
 pub(super) fn write<const N: usize>(boards: usize, begin: u8, code: &dyn Fn(usize) -> Code, frame: &mut [u8]) {

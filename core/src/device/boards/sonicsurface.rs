@@ -2,12 +2,10 @@
 //!
 //! Two boards are selected one after the other, and both swap at the same time.
 
-use alloc::vec::Vec;
-
 use crate::device::code::{Code, Levels, Steps};
 use crate::device::format::{Format, Layout, Reader, Writer};
 use crate::device::link::Link;
-use crate::error::Error;
+use crate::prelude::*;
 
 const CHANNELS: usize = 256;
 /// The phase code that switches a channel off.

@@ -1,11 +1,9 @@
 //! Ultraino's Arduinos: in each tick of a period, one bit for each pin says whether it is high; a byte contains four bits.
 
-use alloc::format;
-
 use crate::device::code::{Code, Levels, Steps};
 use crate::device::format::{Format, Layout, Reader, Writer, thrice};
 use crate::device::link::Link;
-use crate::error::Error;
+use crate::prelude::*;
 
 /// Exchanges the two buffers.
 const SWAP: u8 = 0x00;

@@ -10,7 +10,6 @@
 //! 2. The sums of two transducers are computed together, so that each residual is loaded once for both.
 //! 3. The summation tree is written out, deepest terms first: at most five partial sums exist at a time.
 
-use alloc::vec::Vec;
 use core::array;
 
 use num_complex::Complex32;
@@ -20,6 +19,7 @@ use crate::kernels::closed_form::blocks::{Block, Layout, Look, MOST, Sweep, dire
 use crate::kernels::lanes::{LANES, Lanes, Octet, groups, groups_mut};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::prelude::*;
 
 /// Runs [`crate::kernels::closed_form::sweep`] for the problems of all lanes, each of up to 16 points. `drive` has two
 /// lane groups for each transducer: the real and the imaginary parts.

@@ -1,10 +1,9 @@
 //! Candidate drives: K amplitudes times L phases, as tables of cosines and sines.
 
-use alloc::vec::Vec;
-
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::Elementwise;
 use crate::math::{cos, sin};
+use crate::prelude::*;
 
 /// Returns the length of a table of phases, from which 16 can be read from any phase on.
 pub(crate) const fn table(phases: usize) -> usize {

@@ -1,10 +1,9 @@
 //! Directivity D(theta), computed from cos(theta) by polynomials.
 
-use alloc::vec::Vec;
-
 use crate::kernels::lanes::Lanes;
 use crate::kernels::phasor::{log2, power_of_two};
 use crate::kernels::simd::{Elementwise, WHOLE};
+use crate::prelude::*;
 
 /// The directivity D as a function of cos(theta) from 0 to 1. Each kind and length is a type, for which loops are
 /// compiled.

@@ -13,8 +13,6 @@
 
 use num_complex::Complex32;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::lanes::{LANES, groups, groups_mut};
 use crate::kernels::propagate::form::{Form, Radiation, formed};
 use crate::kernels::propagate::row::{ControlPoints, element, silence};
@@ -22,6 +20,7 @@ use crate::kernels::propagate::source::SourceList;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Apart, Elementwise};
 use crate::kernels::vector::add_wave;
+use crate::prelude::*;
 
 /// Number of transducers in a run: their waves are added before the next points follow.
 const RUN: usize = 512;

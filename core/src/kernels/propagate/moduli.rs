@@ -13,8 +13,6 @@
 
 use core::ops::Range;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::lanes::Lanes;
 use crate::kernels::lanes::{LANES, Line, groups, groups_mut};
 use crate::kernels::propagate::form::{Form, Radiation, formed};
@@ -22,6 +20,7 @@ use crate::kernels::propagate::row::{ControlPoints, spread};
 use crate::kernels::propagate::source::{SourceGroup, SourceLanes, SourceList};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Apart, Elementwise, Simd};
+use crate::prelude::*;
 
 /// Number of source groups whose moduli are summed in f32 before the sum continues in f64; they stay in the nearest
 /// cache meanwhile.

@@ -1,9 +1,8 @@
 //! Sources: the transducers in the layout that the kernels read, sixteen to a group, one list for each property.
 
-use alloc::vec::Vec;
-
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::Elementwise;
+use crate::prelude::*;
 
 /// One transducer. Lengths are in wavelengths, from the array's middle.
 #[derive(Clone, Copy, Debug)]

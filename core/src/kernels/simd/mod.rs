@@ -12,9 +12,7 @@ pub(crate) mod avx2;
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "it names instructions: a token proves that the CPU has them")]
 pub(crate) mod avx512;
-#[forbid(unsafe_code)]
 pub(crate) mod doubles;
-#[forbid(unsafe_code)]
 pub(crate) mod fours;
 pub(crate) mod instruction_set;
 #[cfg(target_arch = "aarch64")]
@@ -24,7 +22,6 @@ pub(crate) mod neon;
     all(target_arch = "wasm32", target_feature = "simd128"),
     all(target_arch = "x86_64", target_feature = "sse2")
 )))]
-#[forbid(unsafe_code)]
 pub(crate) mod scalar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 #[allow(unsafe_code, reason = "it names instructions: a token proves that the CPU has them")]

@@ -22,14 +22,13 @@
 //! 2. The level s is the mean before the last choice, so that no choice waits for it.
 //! 3. sum d^2, which is minus the slope along d, needs no field: it is summed while the field of d is computed.
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::grid::{Few, Phases};
 use crate::kernels::lanes::{BLOCK, LANES, Lanes, groups_mut};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Simd, TINY};
 use crate::kernels::tiles::{Tiles, add_wave};
 use crate::math::sqrtf;
+use crate::prelude::*;
 
 /// The rule by which a drive gets the code (index) of a phase.
 #[derive(Clone, Copy)]

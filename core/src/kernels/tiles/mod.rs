@@ -10,13 +10,12 @@ pub(crate) mod unit;
 
 use core::ops::Range;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::lanes::{BLOCK, Block, LANES, Lanes, groups, groups_mut};
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::vector::add_wave;
+use crate::prelude::*;
 
 /// Returns the length of a vector over the transducers: whole pairs of tiles.
 pub(crate) const fn lanes(transducers: usize) -> usize {

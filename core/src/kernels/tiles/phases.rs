@@ -1,7 +1,5 @@
 //! Alignment of point phases: one after another is set so that the energy v^H G G^H v grows, from G or from G G^H.
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::lanes::BLOCK;
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::phasor::wave;
@@ -9,6 +7,7 @@ use crate::kernels::simd::TINY;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tiles::Tiles;
 use crate::math::sqrtf;
+use crate::prelude::*;
 
 /// Below this part of a point's own contribution, the contribution of the other points is only rounding.
 const SILENT: f32 = 1e-5;

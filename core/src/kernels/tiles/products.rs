@@ -5,13 +5,12 @@
 
 use core::ops::Range;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::lanes::BLOCK;
 use crate::kernels::lanes::{LANES, Lanes, groups_mut, padded};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tiles::{Tiles, blocks, stride};
 use crate::kernels::vector::root;
+use crate::prelude::*;
 
 /// Number of tiles in a run, over which rows are multiplied before the next rows follow. In a run, eight planes take 16
 /// KB.

@@ -1,13 +1,9 @@
 //! Force of sound on a sphere in the field of a drive, its potential and stiffness, by exact derivatives.
 
-use alloc::format;
-use alloc::vec;
-use alloc::vec::Vec;
-
 use num_complex::{Complex32, Complex64};
 
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
+use crate::prelude::*;
 use crate::propagation::forces::momentum::Pushed;
 use crate::propagation::forces::particle::LARGEST;
 use crate::propagation::forces::response::Response;

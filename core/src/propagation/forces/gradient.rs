@@ -8,19 +8,17 @@
 //! coefficients around the point; `kernels::contraction` does the same from their cotangents. The gradient of an image in a
 //! wall is that of the mirrored transducer, mirrored back.
 
-use alloc::format;
-use alloc::vec;
-use alloc::vec::Vec;
 use core::ops::Range;
 
 use num_complex::Complex64;
 
-use crate::control::{Control, bytes};
-use crate::error::{Error, one_each};
+use crate::control::bytes;
+use crate::error::one_each;
 use crate::kernels::InstructionSet;
 use crate::kernels::backward::{Pull, Senders, Sent, back, forth};
 use crate::kernels::contraction::contract;
 use crate::kernels::simd::doubles::{EIGHT, Eight};
+use crate::prelude::*;
 use crate::propagation::forces::quantity::{Quantity, weights};
 use crate::propagation::forces::response::Response;
 use crate::propagation::jet::Jet;

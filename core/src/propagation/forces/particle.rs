@@ -1,8 +1,7 @@
 //! Particle: mass, weight and drag of a sphere.
 
-use alloc::format;
-
 use crate::math;
+use crate::prelude::*;
 use crate::scene::{Medium, Particle};
 use crate::vec3::Vec3;
 

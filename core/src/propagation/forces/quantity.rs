@@ -1,13 +1,10 @@
 //! Quantity: a function of the field at a point, and its derivatives by the pressure there.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
 use num_complex::Complex64;
 
-use crate::error::Error;
 use crate::kernels::contraction::Weights;
 use crate::math;
+use crate::prelude::*;
 use crate::propagation::forces::response::{Form, Response};
 use crate::propagation::jet::{EXPONENTS, Jet, TERMS, place};
 use crate::scene::Medium;

@@ -1,13 +1,10 @@
 //! Rest: the place where a particle rests in the field of a drive, and how stable it is there.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
 use num_complex::Complex32;
 
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
 use crate::linalg::symmetric::eigen;
+use crate::prelude::*;
 use crate::propagation::forces::gorkov::{Push, Trap};
 use crate::propagation::model::Model;
 use crate::scene::geometry::vector;

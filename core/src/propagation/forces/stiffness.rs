@@ -12,16 +12,13 @@
 //!
 //! Foci beside the traps have rows of C, too. Only the first coefficient of a focus, its pressure, is used.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
 use num_complex::Complex32;
 
-use crate::control::{Control, bytes};
+use crate::control::bytes;
 use crate::device::channels::Channels;
-use crate::error::Error;
 use crate::kernels::{InstructionSet, padded};
 use crate::linalg::symmetric::eigen;
+use crate::prelude::*;
 use crate::propagation::forces::response::{Form, Product, Response};
 use crate::propagation::jet::{TERMS, degree};
 use crate::propagation::local::Local;

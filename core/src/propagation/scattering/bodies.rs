@@ -5,15 +5,12 @@
 //! moves, only its own row of H is computed again.
 
 use alloc::sync::Arc;
-use alloc::vec;
-use alloc::vec::Vec;
 use core::fmt;
 
 use num_complex::{Complex32, Complex64};
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::{InstructionSet, padded, panels};
+use crate::prelude::*;
 use crate::propagation::jet::TERMS;
 use crate::propagation::local::Local;
 use crate::propagation::scattering::boundary::Boundary;

@@ -15,17 +15,13 @@
 //! one integral over the angle. A six-point rule computes all other integrals; near elements are first cut into
 //! quarters.
 
-use alloc::format;
-use alloc::vec;
-use alloc::vec::Vec;
-
 use num_complex::{Complex32, Complex64};
 
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
 use crate::kernels::InstructionSet;
 use crate::kernels::panels::{self, Panels};
 use crate::kernels::simd::doubles::EIGHT;
+use crate::prelude::*;
 use crate::propagation::scattering::element::{Element, influence};
 use crate::propagation::scattering::reflection::{Reflection, reflections};
 use crate::propagation::sources::Sources;

@@ -2,14 +2,13 @@
 
 use core::f64::consts::PI;
 
-use alloc::vec::Vec;
-
 use num_complex::Complex64;
 
 use crate::kernels::panels::{NODES, Panels};
 use crate::kernels::phasor::TAYLOR;
 use crate::kernels::simd::doubles::EIGHT;
 use crate::math;
+use crate::prelude::*;
 use crate::scene::mesh::{Triangle, area_vector, halved};
 use crate::scene::{Mesh, Surface};
 use crate::vec3::Vec3;

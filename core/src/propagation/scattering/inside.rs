@@ -4,14 +4,10 @@
 //! The number is 2 where two bodies overlap, and 0 outside. It is computed slightly below the middle of each element.
 //! If a plate is too thin for its elements, that place is already outside of the plate.
 
-use alloc::format;
-use alloc::vec::Vec;
-
 use num_complex::{Complex32, Complex64};
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::math;
+use crate::prelude::*;
 use crate::propagation::scattering::boundary::Boundary;
 use crate::propagation::scattering::element::Element;
 use crate::scene::Mesh;

@@ -8,12 +8,10 @@ pub(crate) mod reflection;
 pub(crate) mod sphere;
 
 use alloc::sync::Arc;
-use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
-use crate::control::Control;
-use crate::error::Error;
+use crate::prelude::*;
 use crate::propagation::scattering::bodies::Bodies;
 use crate::propagation::scattering::reflection::{Reflection, reflections};
 use crate::propagation::scattering::sphere::Sphere;

@@ -9,9 +9,7 @@
 //! are exact. Two walls that face each other have infinitely many; images of more than [`MOST_REFLECTIONS`] reflections are
 //! left out.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
+use crate::prelude::*;
 use crate::propagation::scattering::element::Element;
 use crate::scene::wall::Mirror;
 use crate::scene::{Array, Obstacles, Surface};

@@ -11,15 +11,12 @@
 //! (P. M. Morse and K. U. Ingard, Theoretical Acoustics, 1968, section 8.2). This works for any directivity; for a point source
 //! it is the classical series. The wavenumber k is complex: its imaginary part is the absorption of the air in Np/m.
 
-use alloc::vec;
-use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::math;
+use crate::prelude::*;
 use crate::propagation::sources::Sources;
 use crate::scene::{Medium, Surface, distance};
 use crate::vec3::Vec3;

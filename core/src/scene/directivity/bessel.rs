@@ -1,9 +1,8 @@
 //! Bessel functions of x = k a sin(theta), for the directivities piston and sinc, as Taylor series in cos(theta).
 
-use alloc::vec::Vec;
-
 use crate::kernels::waves::SLOPES;
 use crate::math;
+use crate::prelude::*;
 
 /// Below this x the power series of the Bessel functions is short; above it the recurrence loses no digits.
 const SMALL: f64 = 2.0;

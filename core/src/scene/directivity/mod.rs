@@ -9,14 +9,11 @@ pub(crate) mod point;
 pub(crate) mod sinc;
 pub(crate) mod t4010a1;
 
-use alloc::boxed::Box;
-use alloc::format;
-use alloc::vec::Vec;
-
 pub use law::{Directivity, Parameter};
 
-use crate::error::{Error, find, real};
+use crate::error::{find, real};
 use crate::kernels::waves::{SLOPES, Slopes};
+use crate::prelude::*;
 use crate::scene::directivity::bessel::{in_sine, normalised, series};
 use crate::scene::directivity::law::{Law, Shape, Taylor};
 

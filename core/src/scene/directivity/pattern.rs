@@ -1,7 +1,5 @@
 //! Pattern: a directivity D(theta) as polynomials in f32. Chebyshev interpolation in f64 gives their coefficients.
 
-use alloc::vec;
-use alloc::vec::Vec;
 use core::f64::consts::PI;
 use core::{array, iter};
 
@@ -9,6 +7,7 @@ use crate::kernels::LANES;
 use crate::kernels::lanes::Lanes;
 use crate::kernels::propagate::directivity::{Chebyshev, Exponent, MIDDLE, Pattern, Pieces, Polynomial};
 use crate::math;
+use crate::prelude::*;
 use crate::scene::directivity::law::{Directivity, Shape};
 
 /// The largest error of a polynomial, before its coefficients are rounded to f32.

@@ -2,12 +2,11 @@
 
 use num_complex::Complex32;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::tiles;
 use crate::kernels::tiles::unit::Arc;
 use crate::linalg::Planar;
 use crate::math;
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::propagation::field_of;
 use crate::solvers::common::tiled::{Rows, Wave};

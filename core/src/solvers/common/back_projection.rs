@@ -2,9 +2,8 @@
 
 use num_complex::Complex32;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::linalg::Planar;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::propagation::Strips;
 use crate::solvers::amplitude_limit::AmplitudeLimit;

@@ -17,13 +17,12 @@ use core::f64::consts::TAU;
 
 use num_complex::Complex32;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels;
 use crate::kernels::greedy::objective::Term;
 use crate::kernels::{Candidates, LANES, PhaseRange, PointGroup};
 use crate::linalg::Planar;
 use crate::math::{atan2, ceil, floor, modulus, round};
+use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::propagation::field_of;
 use crate::workspace::Workspace;

@@ -4,12 +4,12 @@
 //! mu I)^-1 J^T r equals -J^T (J J^T + mu I)^-1 r. The system then has as many unknowns as equations, however many
 //! transducers there are.
 
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
 use crate::kernels::tiles;
 use crate::kernels::tiles::products;
 use crate::kernels::{InstructionSet, padded};
 use crate::linalg::Cholesky;
+use crate::prelude::*;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::{Aligned, Buffer, Workspace};
 

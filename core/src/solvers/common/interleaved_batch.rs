@@ -1,16 +1,15 @@
 //! Interleaved batch: up to 16 problems of one array, one in each SIMD lane.
 
 use alloc::sync::Arc;
-use alloc::vec::Vec;
 use core::array;
 
 use num_complex::Complex32;
 
-use crate::control::Control;
 use crate::kernels::closed_form::interleaved_sweep::{EIGHT, deal_in, deal_out};
 use crate::kernels::propagate::field::interleaved_field;
 use crate::kernels::{ControlPoints, InstructionSet, LANES, Rows, Run, interleaved_moduli};
 use crate::linalg::Planar;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::propagation::Sources;
 use crate::propagation::reach::NEAR;

@@ -11,14 +11,12 @@
 //! Below the balanced level amplitudes are free as well ([`with_amplitudes`]). They start from the drive of the
 //! balanced level, with reduced amplitude, and meet the targets that phases alone miss.
 
-use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
 use num_complex::Complex32;
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::math;
+use crate::prelude::*;
 use crate::problem::{Problem, Status};
 use crate::rng::Rng;
 use crate::solvers::common::alternating_projection::Projector;

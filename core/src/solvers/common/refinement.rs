@@ -5,10 +5,10 @@
 
 use num_complex::Complex32;
 
-use crate::control::Control;
 use crate::kernels;
 use crate::kernels::{Candidates, table};
 use crate::linalg::Planar;
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::propagation::field_of;
 use crate::workspace::Workspace;

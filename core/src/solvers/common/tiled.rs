@@ -1,11 +1,8 @@
 //! G stored as tiles (`Rows`), and a drive with its field at the points (`Wave`).
 
-use alloc::vec::Vec;
-
 use num_complex::Complex32;
 
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
 use crate::kernels::InstructionSet;
 use crate::kernels::lanes::BLOCK;
 use crate::kernels::propagate::rows;
@@ -14,6 +11,7 @@ use crate::kernels::tiles::Tiles;
 use crate::kernels::tiles::unit::{Arc, Arcs};
 use crate::linalg::Planar;
 use crate::math::sqrtf;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::workspace::{Aligned, Buffer, Workspace};
 

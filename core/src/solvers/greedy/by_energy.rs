@@ -4,16 +4,11 @@
 //! Each transducer's turn evaluates all candidates at once; a sweep has N turns. Nothing is known about the energy, so
 //! there are no shortcuts: a turn takes O(K L M) plus the time of the energy itself.
 
-use alloc::boxed::Box;
-use alloc::format;
-use alloc::vec;
-use alloc::vec::Vec;
-
 use num_complex::Complex32;
 
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
 use crate::math::modulus;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::solvers::greedy::Greedy;
 use crate::solvers::method::{Info, Solve};

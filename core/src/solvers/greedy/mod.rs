@@ -10,18 +10,16 @@
 
 pub(crate) mod by_energy;
 
-use alloc::format;
-use alloc::vec::Vec;
 use core::any::Any;
 
-use crate::control::Control;
 use crate::device::quantization::Quantization;
-use crate::error::{Error, real, same_name};
+use crate::error::{real, same_name};
 use crate::kernels::greedy;
 use crate::kernels::greedy::interleaved_pass;
 use crate::kernels::greedy::{Pass, Search};
 use crate::kernels::{Candidates, L1, L2, LANES, PhaseRange, PointGroup, table};
 use crate::linalg::Planar;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::rng::Rng;
 use crate::scene::{OptionValue, Options, Value, words};
