@@ -4,20 +4,13 @@ use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 use midair::{Directivity, Medium, Origin, PartKind, PartValue, Transducer};
-use numpy::{PyArray1, PyArray2};
-use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
+use pyo3::types::IntoPyDict;
 
-use crate::error::{invalid, refused, warn_all};
-use crate::getters::getters;
 use crate::give::{list, rows};
-use crate::numbers::quoted;
 use crate::parts::{self, Values};
-use crate::pickle::{Reduced, called, pickled};
-use crate::read;
+use crate::pickle::called;
+use crate::prelude::*;
 use crate::ready::{Cache, Ready};
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Array of N transducers: their places and their radiation.
 ///

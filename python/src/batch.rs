@@ -3,26 +3,19 @@
 use std::time::Instant;
 
 use midair::{Complex32, Control, Request, SolveRequest, Start, Status};
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyOverflowError};
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use crate::chosen::Chosen;
-use crate::ctrl_c::attend;
-use crate::error::{SceneError, invalid, refused, warn_all};
-use crate::getters::getters;
-use crate::give::{self, rows};
-use crate::limits;
+use crate::error::SceneError;
+use crate::give::rows;
 use crate::metrics::BatchMetrics;
-use crate::numbers::quoted;
 use crate::out;
-use crate::pickle::{Reduced, part, part_or_none, restored};
-use crate::read::{self, Starts};
+use crate::pickle::{part, part_or_none};
+use crate::prelude::*;
+use crate::read::Starts;
 use crate::setting::{Setting, Source, points_of};
 use crate::solution::Solution;
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Solutions of B problems of M points each; `batch[i]` is the Solution of one.
 ///

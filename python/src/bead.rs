@@ -3,16 +3,8 @@
 use std::hash::{Hash, Hasher};
 
 use midair::{Bead as Core, Particle};
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
-use crate::error::{invalid, refused};
-use crate::getters::getters;
-use crate::numbers::quoted;
-use crate::pickle::{Reduced, restored};
-use crate::read;
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+use crate::prelude::*;
 
 /// Small sphere that sound holds, and the gravity that acts on it.
 ///

@@ -4,14 +4,10 @@ use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 use midair::{Obstacle, Surface};
-use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
+use pyo3::types::IntoPyDict;
 
-use crate::error::invalid;
 use crate::mesh::{Mesh, surface};
-use crate::numbers::quoted;
-use crate::pickle::{Reduced, restored};
-use crate::read;
+use crate::prelude::*;
 
 /// A field of a body: a place or a number.
 trait Part: Sized {

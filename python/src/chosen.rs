@@ -4,14 +4,9 @@ use std::sync::Arc;
 
 use midair::solvers::{self as registry, Configured, Info};
 use midair::{Choice, Options, Problem, Quantization};
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
-use crate::error::refused;
 use crate::function::{Function, Objective, Raised};
-use crate::read;
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+use crate::prelude::*;
 
 /// The keywords of a call that choose a solver, besides the solver's own options.
 #[derive(Clone, Copy)]

@@ -1,18 +1,11 @@
 //! `Codec`: converts drives to the bytes of a board's frame; the core of `midair.Board`.
 
 use midair::{Board, Complex32, Complex64};
-use numpy::PyArray1;
-use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyBytes, PyDict};
+use pyo3::types::{IntoPyDict, PyBytes};
 
 use crate::array::Array;
-use crate::error::{invalid, refused};
-use crate::getters::getters;
-use crate::give;
+use crate::prelude::*;
 use crate::quantization;
-use crate::read;
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Converts drives (N,) to the bytes of a board's frame, and back.
 #[pyclass(frozen, module = "midair._midair")]

@@ -4,12 +4,11 @@ use std::path::Path;
 
 use midair::Request;
 use midair::files::{self, Drawing, Format, Source};
-use pyo3::prelude::*;
 
 use crate::array::Array;
-use crate::error::{SceneError, error_of, refused};
+use crate::error::{SceneError, error_of};
 use crate::mesh::indices;
-use crate::read;
+use crate::prelude::*;
 use crate::toolbox;
 
 type Argument<'py> = Option<Bound<'py, PyAny>>;

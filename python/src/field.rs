@@ -3,17 +3,12 @@
 use std::sync::Arc;
 
 use midair::{Axis, Complex32};
-use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods};
-use pyo3::prelude::*;
+use numpy::PyArrayDyn;
 
-use crate::ctrl_c::attend;
-use crate::error::{invalid, warn, warn_all};
-use crate::getters::getters;
-use crate::give::{self, rows};
-use crate::limits;
-use crate::pickle::{Reduced, restored};
+use crate::error::warn;
+use crate::give::rows;
 use crate::plane::{self, Plane};
-use crate::read;
+use crate::prelude::*;
 use crate::scene::Scene;
 use crate::solution::{Solution, about, played};
 

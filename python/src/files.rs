@@ -4,14 +4,13 @@ use std::path::{Path, PathBuf};
 
 use midair::files::{self, Columns, Format, MOST_BYTES, POSITIONS, Provenance, Source};
 use midair::{Complex32, Key};
-use numpy::{PyArray1, PyArray2};
-use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyString};
+use pyo3::types::{PyBytes, PyString};
 
 use crate::draw;
-use crate::error::{error_of, invalid, refused};
+use crate::error::error_of;
+use crate::prelude::*;
 use crate::toolbox;
-use crate::{give, node, read as reading};
+use crate::{node, read as reading};
 
 /// Returns a file's bytes, by Python's own functions: Ctrl-C ends them, also while a pipe has no writer.
 pub(crate) fn bytes_of(py: Python<'_>, path: &Path) -> PyResult<Vec<u8>> {

@@ -4,14 +4,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use midair::flight::{BeadStart, Course as Inner, Envelope};
 use midair::{Complex32, Complex64};
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::prelude::*;
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 
-use crate::ctrl_c::attend;
-use crate::error::{refused, warn_all};
-use crate::give;
-use crate::limits;
-use crate::read;
+use crate::prelude::*;
 use crate::scene::Scene;
 
 /// Response of transducers with the time constant `tau` in s to drives at `rate` frames/s, which stay for their frame or, if

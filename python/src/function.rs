@@ -4,12 +4,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use midair::solvers::{ActiveRequest, Configured, Energy, Info, unused};
 use midair::{Choice, Complex32, Control, Error, Problem, Solution, Solve, Workspace};
-use numpy::{IntoPyArray, PyArrayMethods};
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use numpy::IntoPyArray;
 
-use crate::error::{invalid, refused};
-use crate::read;
+use crate::prelude::*;
 
 /// Properties of all solvers that are Python functions: they do not balance, and use neither a start nor an aim.
 static INFO: Info = Info::new("function", "a function in Python", "the caller's own");

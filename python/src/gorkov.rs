@@ -1,20 +1,11 @@
 //! `midair.gorkov`, `midair.rest` and their results.
 
 use midair::{Bead, Complex32, Model, Particle};
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
-use pyo3::prelude::*;
 
 use crate::bead::read_bead;
-use crate::ctrl_c::attend;
-use crate::error::warn_all;
-use crate::getters::getters;
-use crate::give::{self, rows};
-use crate::limits;
-use crate::pickle::pickled;
-use crate::read;
+use crate::give::rows;
+use crate::prelude::*;
 use crate::solution::{about, played};
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Potential, force and stiffness of a small sphere at P points; from `midair.gorkov`.
 ///

@@ -2,17 +2,13 @@
 
 use midair::{Bead, Complex64, Model, Quantity};
 use numpy::IntoPyArray;
-use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use crate::array::Array;
 use crate::bead::read_bead;
-use crate::ctrl_c::attend;
-use crate::error::{invalid, refused, warn_all};
 use crate::give::fresh;
-use crate::limits;
 use crate::numbers::{NUMBER, Numbers, REAL, misshapen, numbers};
-use crate::read;
+use crate::prelude::*;
 use crate::solution::{Solution, about, played};
 
 type Argument<'py> = Option<Bound<'py, PyAny>>;

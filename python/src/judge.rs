@@ -1,24 +1,18 @@
 //! `midair.judge`: metrics of a drive. `midair.bound`: an upper bound of the level that any drive can reach.
 
 use midair::{Complex32, Control, OptionValue, Precision, SolveRequest, Threads, Value};
-use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{PyReadonlyArray2, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
-use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::PyString;
 
-use crate::ctrl_c::attend;
-use crate::error::{invalid, refused};
-use crate::limits;
 use crate::metrics::{BatchMetrics, Metrics};
-use crate::numbers::{quoted, refuse_hidden};
+use crate::numbers::refuse_hidden;
+use crate::prelude::*;
 use crate::propagation::Propagation;
-use crate::read;
 use crate::scene::Scene;
 use crate::setting::{Setting, points_of};
 use crate::solution::{Solution, played};
 use crate::subject::{Beside, Subject};
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Compute an upper bound on the level min |p| / target over the points with a pressure.
 ///

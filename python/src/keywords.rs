@@ -1,18 +1,13 @@
 //! Keyword arguments of a call: those of air and transducers, and the rest.
 
 use midair::{Extras, Medium};
-use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyDictMethods};
 
 use crate::array::Array;
 use crate::bead::read_bead;
 use crate::bodies::read_obstacles;
-use crate::error::refused;
 use crate::parts;
-use crate::read;
+use crate::prelude::*;
 use crate::signature::read_signature;
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Keyword arguments, which are taken out one by one.
 pub(crate) struct Keywords<'py>(Bound<'py, PyDict>);

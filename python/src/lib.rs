@@ -33,6 +33,7 @@ mod path;
 mod pickle;
 mod plane;
 mod points;
+mod prelude;
 mod propagation;
 mod quantization;
 mod read;

@@ -4,18 +4,12 @@ use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 use midair::{Complex32, Model, Obstacle, OptionValue, Surface, Value};
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
-use pyo3::prelude::*;
+use numpy::PyReadonlyArray2;
 use pyo3::types::PyBytes;
 
-use crate::ctrl_c::attend;
-use crate::error::refused;
-use crate::getters::getters;
 use crate::give::rows;
-use crate::limits;
 use crate::numbers::{Numbers, misshapen, numbers};
-use crate::pickle::{Reduced, restored};
-use crate::read;
+use crate::prelude::*;
 use crate::toolbox;
 
 /// Body of any shape that scatters waves, for a scene's `obstacles`.

@@ -2,15 +2,9 @@
 
 use std::hash::{Hash, Hasher};
 
-use numpy::PyArray1;
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
-
-use crate::getters::getters;
-use crate::give;
-use crate::pickle::{Reduced, restored};
-
 use midair::Metrics as Core;
+
+use crate::prelude::*;
 
 /// Quality of a drive, over the points with a pressure and a weight above 0, x = |p| / target.
 ///

@@ -3,13 +3,12 @@
 use std::path::PathBuf;
 
 use midair::files;
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use crate::draw;
-use crate::error::{error_of, refused};
+use crate::error::error_of;
 use crate::files::{bytes_of, read};
 use crate::path::Path;
+use crate::prelude::*;
 use crate::scene::Scene;
 
 /// The contents of a scene file with `[motion]`.

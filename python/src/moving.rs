@@ -5,25 +5,17 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use midair::sequence::{self, Table, Tracks};
 use midair::solvers;
 use midair::{Choice, Complex32, Extras, InstructionSet, MovingSolver, OptionValue, Options, Pace, Played, Trajectory};
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
+use numpy::PyReadonlyArray2;
 use pyo3::exceptions::PyTypeError;
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use crate::array::Array;
-use crate::ctrl_c::attend;
-use crate::error::{refused, warn, warn_all};
-use crate::getters::getters;
-use crate::give;
+use crate::error::warn;
 use crate::keywords::Keywords;
-use crate::limits;
 use crate::parts;
+use crate::prelude::*;
 use crate::quantization;
-use crate::read;
 use crate::scene::Scene;
 use crate::solver::{Kept, free, remembered, restored};
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Names of the state of a solver after its last frame.
 const REMEMBERED: [&str; 4] = ["drives", "weights", "unevenness", "motion"];

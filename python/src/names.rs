@@ -2,10 +2,8 @@
 
 use midair::{Error, presets, solvers};
 use pyo3::exceptions::PyTypeError;
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
-use crate::error::refused;
+use crate::prelude::*;
 
 /// Returns a solver's name as `midair.solvers` lists it.
 #[pyfunction]

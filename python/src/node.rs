@@ -2,10 +2,10 @@
 
 use midair::files::Node;
 use pyo3::IntoPyObjectExt;
-use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyInt, PyList, PyString, PyTuple};
+use pyo3::types::{PyInt, PyList, PyString, PyTuple};
 
 use crate::numbers::{DEEPEST, Numbers, REAL, array};
+use crate::prelude::*;
 
 /// Reads a table.
 pub(crate) fn table(table: &Bound<'_, PyDict>) -> PyResult<Node> {

@@ -2,11 +2,10 @@
 
 use midair::Complex32;
 use numpy::ndarray::Dimension;
-use numpy::{BorrowError, PyArray, PyArray1, PyArrayMethods, PyReadwriteArray, PyUntypedArray, PyUntypedArrayMethods};
-use pyo3::prelude::*;
+use numpy::{BorrowError, PyArray, PyReadwriteArray, PyUntypedArray, PyUntypedArrayMethods};
 
-use crate::error::invalid;
-use crate::numbers::{quoted, refuse_hidden, reported};
+use crate::numbers::{refuse_hidden, reported};
+use crate::prelude::*;
 
 /// Borrows a writable array of a shape, so that no other call can write it. For a batch it must be contiguous.
 pub(crate) fn borrowed<'py, D: Dimension>(

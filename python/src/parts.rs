@@ -2,12 +2,10 @@
 
 use midair::{Array, Directivity, Part, PartKind, PartValue};
 use pyo3::exceptions::PyTypeError;
-use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
+use pyo3::types::IntoPyDict;
 
-use crate::give;
+use crate::prelude::*;
 use crate::quantization::{self, read_quantization};
-use crate::read;
 
 /// Parts with the values that an array gets.
 pub(crate) type Values = Vec<(&'static Part, PartValue)>;

@@ -2,14 +2,12 @@
 
 use midair::files::{self, Drawing, Node};
 use midair::points;
-use numpy::{IntoPyArray, PyArray2, PyArray3, PyArrayMethods};
-use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use numpy::IntoPyArray;
+use pyo3::types::PyTuple;
 
-use crate::error::{invalid, refused};
-use crate::numbers::{REAL, numbers, quoted};
-use crate::pickle::{Reduced, restored};
-use crate::{node, read};
+use crate::node;
+use crate::numbers::{REAL, numbers};
+use crate::prelude::*;
 
 /// Places (T, M, 3) in m.
 type Places<'py> = Bound<'py, PyArray3<f64>>;

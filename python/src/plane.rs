@@ -3,17 +3,8 @@
 use std::hash::{Hash, Hasher};
 
 use midair::Axis;
-use numpy::PyArray1;
-use pyo3::prelude::*;
 
-use crate::error::{invalid, refused, warn_all};
-use crate::getters::getters;
-use crate::give;
-use crate::numbers::quoted;
-use crate::pickle::{Reduced, restored};
-use crate::read;
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+use crate::prelude::*;
 
 /// Square of pixels x pixels samples: at height z, or normal to another axis.
 ///

@@ -1,13 +1,10 @@
 //! Points along curves and contours.
 
 use midair::{files, points};
-use numpy::PyArray2;
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
-use crate::error::refused;
 use crate::give::fresh;
 use crate::node;
+use crate::prelude::*;
 use crate::read::{pose, vectors};
 
 /// Returns the points (M, 3) of a line, circle or polyline, as `[[shape]]` in a scene file describes it.

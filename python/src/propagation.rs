@@ -4,14 +4,9 @@ use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 use midair::{Control, InstructionSet, Problem, Request, Setup};
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
-use crate::error::refused;
-use crate::give;
-use crate::pickle::Reduced;
+use crate::prelude::*;
 use crate::quantization::{self, read_quantization};
-use crate::read;
 
 /// Propagation matrix G of your own: measured, or computed with obstacles.
 ///

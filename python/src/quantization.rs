@@ -1,13 +1,8 @@
 //! The argument `quantization`: conversion from Python and back.
 
 use midair::Quantization;
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
-use crate::error::{invalid, refused};
-use crate::give;
-use crate::numbers::quoted;
-use crate::read;
+use crate::prelude::*;
 
 const KEYS: [&str; 3] = ["phases", "amplitudes", "pulses"];
 

@@ -3,10 +3,9 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use midair::{Extras, InstructionSet, Medium, Model, Notice, Obstacle, Workspace};
-use pyo3::prelude::*;
 
-use crate::error::refused;
 use crate::mesh::behind;
+use crate::prelude::*;
 
 /// Largest size in bytes of a workspace that is stored for the next solve. Allocating 1 MB costs as much time as G for 64
 /// points.

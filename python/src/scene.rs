@@ -6,28 +6,19 @@ use std::sync::Arc;
 
 use midair::files::{Format, Provenance};
 use midair::{Complex32, Control, Extras, Medium, Notice, Request};
-use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyTypeError;
-use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
+use pyo3::types::IntoPyDict;
 
 use crate::array::Array;
 use crate::bead;
 use crate::bodies::obstacle_objects;
-use crate::ctrl_c::attend;
-use crate::error::{invalid, refused, warn_all};
 use crate::files;
-use crate::getters::getters;
-use crate::give::{self, rows};
+use crate::give::rows;
 use crate::keywords::Keywords;
-use crate::numbers::quoted;
-use crate::pickle::{Reduced, pickled, restored};
 use crate::plane::Plane;
-use crate::read;
+use crate::prelude::*;
 use crate::ready::Ready;
 use crate::signature::{read_signature, signature_object};
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Arguments of the constructor, without those of the air and the array's parts.
 pub(crate) const ARGUMENTS: [&str; 7] = ["array", "points", "pressures", "weights", "signature", "bead", "obstacles"];

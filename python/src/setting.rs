@@ -3,21 +3,16 @@
 use midair::solvers::Configured;
 use midair::{Choice, Control, Extras, Model, Problem, Request, Session, Setup};
 use pyo3::exceptions::PyTypeError;
-use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyDictMethods};
 
 use crate::array::Array;
 use crate::bead;
 use crate::bodies::obstacle_objects;
 use crate::chosen::{Chosen, Naming};
-use crate::error::{invalid, refused, warn_all};
 use crate::keywords::Keywords;
+use crate::prelude::*;
 use crate::propagation::{Matrix, Propagation};
-use crate::read;
 use crate::scene::Scene;
 use crate::signature::signature_object;
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// A session, and the choices from which it was made.
 pub(crate) struct Setting {

@@ -1,12 +1,10 @@
 //! The argument `signature`, factors that turn foci into traps: conversion from Python and back.
 
 use midair::{Complex64, Signature};
-use pyo3::prelude::*;
 use pyo3::types::{PyList, PyString};
 
-use crate::error::{invalid, refused};
-use crate::give;
-use crate::numbers::{NUMBER, Numbers, misshapen, numbers, quoted};
+use crate::numbers::{NUMBER, Numbers, misshapen, numbers};
+use crate::prelude::*;
 
 /// Reads a signature: a name, a list with a name or None for each point, or factors (N,) or (M, N) for N `transducers`.
 pub(crate) fn read_signature(value: &Bound<'_, PyAny>, transducers: usize) -> PyResult<Signature> {

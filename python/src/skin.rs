@@ -3,18 +3,14 @@
 use midair::touch::{self, Channel};
 use midair::{Complex32, Complex64, InstructionSet};
 use numpy::{
-    IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
-    PyReadonlyArrayDyn, PyUntypedArrayMethods,
+    IntoPyArray, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyReadonlyArrayDyn,
+    PyUntypedArrayMethods,
 };
-use pyo3::prelude::*;
 use pyo3::types::PyComplex;
 
 use crate::array::Array;
-use crate::ctrl_c::attend;
-use crate::error::refused;
-use crate::give;
 use crate::plane::Plane;
-use crate::read;
+use crate::prelude::*;
 
 const SKIN: [f64; 3] = touch::Membrane::SKIN;
 

@@ -4,19 +4,12 @@ use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 use midair::{Complex32, Request, Status};
-use numpy::PyArray1;
 use pyo3::exceptions::PyTypeError;
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
-use crate::ctrl_c::attend;
-use crate::error::{invalid, refused};
-use crate::getters::getters;
-use crate::give;
 use crate::metrics::Metrics;
-use crate::pickle::{Reduced, part, part_or_none, restored};
+use crate::pickle::{part, part_or_none};
+use crate::prelude::*;
 use crate::propagation::Matrix;
-use crate::read;
 use crate::scene::Scene;
 use crate::subject::{Beside, Subject};
 

@@ -3,17 +3,11 @@
 use std::time::Instant;
 
 use midair::solvers::remarks;
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use crate::chosen::{Chosen, Naming};
-use crate::ctrl_c::attend;
-use crate::error::warn_all;
-use crate::read;
+use crate::prelude::*;
 use crate::solution::{Solution, begin};
 use crate::subject::{Beside, Subject};
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Find a drive q, |q| <= 1, whose pressures p = G q are near the targets.
 ///

@@ -5,25 +5,17 @@ use std::time::Instant;
 
 use midair::solvers::Last;
 use midair::{Complex32, Frames, Request, Session, SolveRequest};
-use numpy::{Ix1, Ix2, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use numpy::{Ix1, Ix2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 
 use crate::chosen::Chosen;
-use crate::ctrl_c::attend;
-use crate::error::{invalid, warn_all};
-use crate::getters::getters;
-use crate::give;
 use crate::metrics::Metrics;
 use crate::names::unknown_argument;
 use crate::numbers::in_place;
 use crate::out;
-use crate::pickle::{Reduced, called};
-use crate::read;
+use crate::pickle::called;
+use crate::prelude::*;
 use crate::setting::{Setting, Source, points_of};
 use crate::solution::{Solution, begin};
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Solver of many requests of one array by one method, in memory of its own.
 ///

@@ -1,12 +1,8 @@
 //! `midair.solvers`.
 
 use midair::solvers as registry;
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
-use crate::getters::getters;
-use crate::pickle::pickled;
-use crate::read;
+use crate::prelude::*;
 
 /// Option of a solver; from `midair.solvers`.
 ///

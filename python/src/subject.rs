@@ -2,16 +2,12 @@
 
 use midair::{Control, Problem, Quantization, Request, Workspace};
 use pyo3::exceptions::PyTypeError;
-use pyo3::prelude::*;
 
-use crate::error::invalid;
 use crate::keywords::Keywords;
+use crate::prelude::*;
 use crate::propagation::{Matrix, Propagation};
-use crate::read;
 use crate::ready::Ready;
 use crate::scene::Scene;
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Keywords for data that a matrix does not have. For a scene they replace its own.
 #[derive(Clone, Copy, Default)]
