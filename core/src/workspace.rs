@@ -4,8 +4,6 @@ use core::cell::{Cell, RefCell};
 use core::mem;
 use core::ops::{Deref, DerefMut};
 
-use num_complex::Complex32;
-
 use crate::kernels::PointGroup;
 use crate::prelude::*;
 

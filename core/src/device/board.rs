@@ -3,8 +3,6 @@
 use alloc::borrow::Cow;
 use core::f64::consts::TAU;
 
-use num_complex::{Complex32, Complex64};
-
 use crate::device::boards::FORMATS;
 use crate::device::channels::Channels;
 use crate::device::code::{Code, of_pulse, pulse};
@@ -13,7 +11,6 @@ use crate::device::link::Link;
 use crate::device::quantization::Quantization;
 use crate::error::{self, one_each};
 use crate::kernels::pulses::Pulses;
-use crate::math;
 use crate::prelude::*;
 
 /// The tolerance for drives above 1 because of rounding to f32.

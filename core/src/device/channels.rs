@@ -2,8 +2,6 @@
 
 use alloc::sync::Arc;
 
-use num_complex::Complex32;
-
 use crate::error::one_each;
 use crate::prelude::*;
 

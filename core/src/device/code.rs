@@ -2,11 +2,8 @@
 
 use core::f64::consts::{PI, TAU};
 
-use num_complex::Complex32;
-
 use crate::device::quantization::Quantization;
 use crate::kernels::pulses::Pulses;
-use crate::math;
 use crate::math::sqrtf;
 use crate::prelude::*;
 

@@ -2,11 +2,8 @@
 
 use core::f64::consts::TAU;
 
-use num_complex::Complex64;
-
 use crate::device::code::{Code, Steps};
 use crate::device::link::Link;
-use crate::math;
 use crate::prelude::*;
 
 /// A kind of board.

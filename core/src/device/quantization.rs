@@ -1,12 +1,9 @@
 //! Quantization: the phases and amplitudes that a board can play, and the rounding of drives to them.
 
-use num_complex::Complex32;
-
 use crate::error;
 use crate::kernels::InstructionSet;
 use crate::kernels::grid::{Amplitudes, Grid, Phases};
 use crate::kernels::pulses::Pulses;
-use crate::math;
 use crate::prelude::*;
 
 /// The allowed numbers of phases: fewer than 2 are no choice, more than 2^16 are finer than f32.

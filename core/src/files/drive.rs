@@ -2,10 +2,7 @@
 
 use core::iter;
 
-use num_complex::Complex32;
-
 use crate::files::csv::{self, Columns};
-use crate::math;
 use crate::prelude::*;
 
 /// The tolerance for an amplitude of 1 that was rounded when written.

@@ -2,8 +2,6 @@
 
 use alloc::sync::Arc;
 
-use num_complex::Complex64;
-
 use crate::device::quantization::Quantization;
 use crate::error::ErrorCode;
 use crate::files::drawn::{self, Draw, Drawing, Drawn, drawn, mesh};

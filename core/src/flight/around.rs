@@ -15,18 +15,14 @@
 
 use core::f64::consts::PI;
 
-use num_complex::{Complex32, Complex64};
-
 use crate::kernels::LANES;
 use crate::kernels::around::{Ball, VALUES, WAYS, forces};
 use crate::kernels::flight::TERMS;
-use crate::math;
 use crate::prelude::*;
 use crate::propagation::field::field;
 use crate::propagation::forces::response::coefficients;
 use crate::propagation::model::Model;
 use crate::scene::{Particle, dot};
-use crate::vec3::Vec3;
 
 /// Highest order of the waves.
 const ORDERS: usize = 6;

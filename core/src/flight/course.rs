@@ -1,17 +1,13 @@
 //! Course: radiation and points of a sequence at knots (interpolation nodes in time), linear between knots.
 
-use num_complex::{Complex32, Complex64};
-
 use crate::control::bytes;
 use crate::error::{one_each, real};
 use crate::flight::envelope::Envelope;
-use crate::math;
 use crate::prelude::*;
 use crate::propagation::Model;
 use crate::propagation::forces::rest::poised;
 use crate::scene::Bead;
 use crate::scene::distance;
-use crate::vec3::Vec3;
 
 /// Largest time between two knots in s. Between such knots, traps deviate by less than 0.1 % from linear interpolation.
 const LONGEST: f64 = 1e-3;

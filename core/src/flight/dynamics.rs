@@ -8,7 +8,6 @@
 use crate::error::real;
 use crate::kernels::InstructionSet;
 use crate::kernels::flight::{Beads, Laws, Layer, MODES, advance, begin, radii};
-use crate::math;
 use crate::prelude::*;
 use crate::scene::Medium;
 use crate::scene::Particle;

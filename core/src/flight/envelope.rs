@@ -4,9 +4,6 @@
 
 use core::ops::Range;
 
-use num_complex::{Complex32, Complex64};
-
-use crate::math;
 use crate::prelude::*;
 
 /// Number of time constants after which an earlier drive has no effect: e^-40 is below the rounding error.

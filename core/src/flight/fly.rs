@@ -3,19 +3,15 @@
 use alloc::collections::BTreeMap;
 use core::array;
 
-use num_complex::Complex32;
-
 use crate::control::bytes;
 use crate::error::one_each;
 use crate::flight::around::{Around, Polynomial};
 use crate::flight::course::Course;
 use crate::flight::dynamics::{Flight, Force, State, begun, continued};
-use crate::math;
 use crate::prelude::*;
 use crate::propagation::Model;
 use crate::scene::geometry::check_finite;
 use crate::scene::{Bead, distance};
-use crate::vec3::Vec3;
 
 /// Largest phase in rad that the fastest oscillation advances per step. Its frequency then has an error of 1e-4.
 const ANGLE: f64 = 0.3;

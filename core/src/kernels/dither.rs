@@ -13,8 +13,6 @@
 
 use core::ops::Range;
 
-use num_complex::Complex32;
-
 use crate::kernels::lanes::{groups, groups_mut};
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::Simd;

@@ -10,12 +10,9 @@
 //! All quotients, roots, products and sums are rounded once and none is fused: every instruction set gives a drive the
 //! same code. If two are equally near, the later phase and the larger amplitude are chosen.
 
-use num_complex::Complex32;
-
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Apart, Elementwise, Simd, WHOLE};
-use crate::math;
 use crate::prelude::*;
 
 /// A drive above this modulus is at full power; the difference is rounding.

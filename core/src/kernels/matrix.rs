@@ -1,7 +1,5 @@
 //! Products of stored planar matrices with vectors, and the field of a drive.
 
-use num_complex::Complex32;
-
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::propagate::field::add_field;
 use crate::kernels::propagate::rows::Rows;

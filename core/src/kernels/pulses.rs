@@ -12,9 +12,6 @@
 
 use core::f32::consts::TAU;
 
-use num_complex::{Complex32, Complex64};
-
-use crate::math;
 use crate::math::sqrtf;
 use crate::prelude::*;
 

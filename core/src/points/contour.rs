@@ -3,7 +3,6 @@
 use alloc::collections::BTreeMap;
 
 use crate::error::real;
-use crate::math;
 use crate::prelude::*;
 use crate::scene::{distance, short};
 

@@ -7,7 +7,6 @@
 use alloc::sync::Arc;
 
 use crate::error::real;
-use crate::math;
 use crate::points::modulation::ROUNDING;
 use crate::points::path::{Course, Link, Moment, Path};
 use crate::prelude::*;

@@ -3,7 +3,6 @@
 use core::f64::consts::TAU;
 
 use crate::error::{find, real};
-use crate::math;
 use crate::prelude::*;
 
 /// Tolerance of times, relative to a frame or a period, so that rounding errors never decide whether a time is before or after

@@ -4,7 +4,6 @@ use alloc::sync::Arc;
 use core::f64::consts::PI;
 
 use crate::error::real;
-use crate::math;
 use crate::points::curve::Curve;
 use crate::points::modulation::{Modulation, ROUNDING};
 use crate::prelude::*;

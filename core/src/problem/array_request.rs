@@ -2,11 +2,8 @@
 
 use alloc::sync::Arc;
 
-use num_complex::{Complex32, Complex64};
-
 use crate::error::ErrorCode;
 use crate::kernels::padded;
-use crate::math;
 use crate::prelude::*;
 use crate::problem::metrics::Metrics;
 use crate::problem::setup::Setup;

@@ -1,8 +1,6 @@
 //! Complex targets: the targets of a problem that requests pressures with phases.
 
-use num_complex::Complex64;
-
-use crate::math;
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::problem::array_request::ArrayRequest;
 

@@ -1,8 +1,5 @@
 //! Judgement: computes the metrics of fields and drives for the targets of a problem.
 
-use num_complex::{Complex32, Complex64};
-
-use crate::math;
 use crate::prelude::*;
 use crate::problem::Problem;
 use crate::problem::array_request::ArrayRequest;

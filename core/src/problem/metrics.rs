@@ -1,6 +1,6 @@
 //! Metrics: accuracy (eq. 12), sigma (eq. 13), uniformity, level, residual (eq. 7), leak.
 
-use crate::math;
+use crate::prelude::*;
 
 /// Passes the name and the description of each metric to a macro, so that all bindings have the same texts.
 #[doc(hidden)]

@@ -12,11 +12,8 @@
 //! smaller sum of e^2, so later ones correct the errors of earlier ones ([`dither`]). More rounds follow until the errors are
 //! small enough. Time O(N M) for each round.
 
-use num_complex::Complex32;
-
 use crate::kernels::dither;
 use crate::linalg::Planar;
-use crate::math;
 use crate::prelude::*;
 use crate::problem::array_request::ArrayRequest;
 use crate::propagation::field_of;

@@ -25,8 +25,6 @@ pub use upper_bound::bound;
 use alloc::borrow::Cow;
 use alloc::sync::Arc;
 
-use num_complex::Complex32;
-
 use crate::device::quantization::Quantization;
 use crate::error::one_each;
 use crate::kernels::{InstructionSet, Rows};

@@ -17,8 +17,6 @@
 use core::cmp::Ordering;
 use core::f64::consts::PI;
 
-use num_complex::Complex64;
-
 use crate::control::bytes;
 use crate::kernels::InstructionSet;
 use crate::kernels::double::{self, MOST_ROWS};

@@ -3,8 +3,6 @@
 use alloc::borrow::Cow;
 use alloc::sync::Arc;
 
-use num_complex::Complex32;
-
 use crate::device::channels::Channels;
 use crate::device::quantization::Quantization;
 use crate::error::one_each;

@@ -2,11 +2,8 @@
 
 use alloc::sync::Arc;
 
-use num_complex::Complex32;
-
 use crate::error::{one_each, real};
 use crate::linalg::Planar;
-use crate::math;
 use crate::prelude::*;
 use crate::problem::Problem;
 use crate::problem::array_request::ArrayRequest;

@@ -17,8 +17,6 @@
 //! components instead of one number (Burer and Monteiro 2003), and each point a vector of pressures. Points with too low a
 //! level gain weight. d_i is the length by which the vector of transducer i is normalised.
 
-use num_complex::Complex64;
-
 use crate::kernels::double::SPAN;
 use crate::math::sqrt;
 use crate::prelude::*;

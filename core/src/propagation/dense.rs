@@ -1,7 +1,5 @@
 //! Dense: the whole matrix G, computed for some points at a time.
 
-use num_complex::{Complex32, Complex64};
-
 use crate::control::bytes;
 use crate::prelude::*;
 use crate::propagation::Propagation;

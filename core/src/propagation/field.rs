@@ -2,8 +2,6 @@
 
 use alloc::sync::Arc;
 
-use num_complex::{Complex32, Complex64};
-
 use crate::control::bytes;
 use crate::kernels;
 use crate::kernels::{ControlPoints, InstructionSet, Rows, padded};

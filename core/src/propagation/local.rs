@@ -15,14 +15,10 @@
 
 use core::f64::consts::{PI, TAU};
 
-use num_complex::Complex64;
-
-use crate::math;
 use crate::prelude::*;
 use crate::propagation::jet::{Jet, TERMS};
 use crate::propagation::scattering::sphere::gauss;
 use crate::scene::Medium;
-use crate::vec3::Vec3;
 
 /// The number of heights of the Gauss rule; there are twice as many steps in azimuth.
 const HEIGHTS: usize = 7;

@@ -22,13 +22,10 @@ pub(crate) use strips::Strips;
 
 use alloc::sync::Arc;
 
-use num_complex::Complex64;
-
 use crate::device::channels::Channels;
 use crate::error::one_each;
 use crate::kernels::propagate::rows;
 use crate::kernels::{self, ControlPoints, InstructionSet, Row, padded};
-use crate::math;
 use crate::prelude::*;
 use crate::propagation::recipe::{Known, Recipe};
 use crate::scene::{Array, Scene, Signature, UNITS};

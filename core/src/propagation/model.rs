@@ -2,8 +2,6 @@
 
 use alloc::sync::Arc;
 
-use num_complex::Complex32;
-
 use crate::device::channels::Channels;
 use crate::kernels::InstructionSet;
 use crate::prelude::*;

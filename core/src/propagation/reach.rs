@@ -3,7 +3,6 @@
 use crate::kernels::lanes::Line;
 use crate::kernels::propagate::rows;
 use crate::kernels::{self, LANES, Run};
-use crate::math;
 use crate::prelude::*;
 use crate::propagation::sources::Sources;
 use crate::propagation::{Propagation, Rows};

@@ -2,8 +2,6 @@
 
 use alloc::sync::Arc;
 
-use num_complex::Complex64;
-
 use crate::device::channels::Channels;
 use crate::prelude::*;
 use crate::propagation::forces::stiffness::Stiffness;

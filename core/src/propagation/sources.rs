@@ -1,13 +1,9 @@
 //! Sources: an array's transducers, prepared for the kernels, and their waves in f64 by eq. (5) of Suzuki et al. 2021.
 
-use num_complex::Complex64;
-
 use crate::error::ErrorCode;
 use crate::kernels::{Radiation, Source, SourceList, padded};
-use crate::math;
 use crate::prelude::*;
 use crate::scene::{Array, Medium, check_places, distance};
-use crate::vec3::Vec3;
 
 /// An array in a medium, prepared to compute rows of the propagation matrix G. Positions are in wavelengths, relative to the
 /// array's middle.

@@ -1,7 +1,5 @@
 //! Taylor: the waves of an array's transducers as Taylor polynomials around a point, exact up to degree 4.
 
-use num_complex::Complex64;
-
 use crate::kernels::InstructionSet;
 use crate::kernels::derivatives;
 use crate::kernels::simd::doubles::{EIGHT, Eight};

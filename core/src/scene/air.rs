@@ -1,7 +1,6 @@
 //! Air: sound speed, density and absorption as functions of temperature, humidity and air pressure (ISO 9613-1).
 
 use crate::error::real;
-use crate::math;
 use crate::prelude::*;
 use crate::scene::medium::Medium;
 

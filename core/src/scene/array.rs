@@ -2,12 +2,9 @@
 
 use alloc::sync::Arc;
 
-use num_complex::Complex64;
-
 use crate::device::channels::Channels;
 use crate::device::quantization::Quantization;
 use crate::error::{one_each, real};
-use crate::math;
 use crate::prelude::*;
 use crate::scene::geometry::{bounds, check_finite, lattice};
 use crate::scene::medium::Medium;
@@ -15,7 +12,6 @@ use crate::scene::origin::Origin;
 use crate::scene::pose::Pose;
 use crate::scene::presets;
 use crate::scene::transducer::Transducer;
-use crate::vec3::Vec3;
 
 /// The most transducers that an array may have: far above any array that was built, low enough to catch a typing error.
 const MOST_TRANSDUCERS: usize = 1 << 20;

@@ -2,7 +2,6 @@
 
 use crate::error::{ErrorCode, one_each};
 use crate::prelude::*;
-use crate::vec3::Vec3;
 
 /// Returns `nx` x `ny` positions `pitch` metres apart, centred on the origin; x varies fastest.
 pub(crate) fn lattice([nx, ny]: [usize; 2], pitch: f64) -> Vec<[f64; 3]> {

@@ -1,7 +1,5 @@
 //! Join: one array of several, such as the boards of a rig.
 
-use num_complex::Complex64;
-
 use crate::prelude::*;
 
 use crate::scene::array::Array;

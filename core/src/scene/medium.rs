@@ -1,9 +1,6 @@
 //! Medium: frequency, sound speed, absorption and density of the air.
 
-use num_complex::Complex64;
-
 use crate::error::real;
-use crate::math;
 use crate::prelude::*;
 use crate::scene::key::numbers;
 

@@ -2,12 +2,10 @@
 
 use alloc::collections::BTreeMap;
 
-use crate::math;
 use crate::prelude::*;
 use crate::scene::geometry::bounds;
 use crate::scene::geometry::vector;
 use crate::scene::surface::Surface;
-use crate::vec3::Vec3;
 
 /// The cure in the error for a face whose corners lie on one line.
 const FLAT: &str = "it has no area: leave it out";

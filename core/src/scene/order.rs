@@ -11,7 +11,6 @@ use crate::scene::array::Array;
 use crate::scene::geometry::{distance, middle};
 use crate::scene::pose::Pose;
 use crate::scene::presets::PRESETS;
-use crate::vec3::Vec3;
 
 /// The largest distance in m of a transducer from its place on a board.
 const NEAR: f64 = 3e-3;

@@ -1,7 +1,5 @@
 //! Part: optional data of an array beside its positions, such as a mask. Each part is declared once here for all bindings.
 
-use num_complex::Complex64;
-
 use crate::device::quantization::Quantization;
 use crate::error::same_name;
 use crate::prelude::*;

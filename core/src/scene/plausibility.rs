@@ -17,7 +17,6 @@ use crate::scene::order::is_of_boards;
 use crate::scene::origin::Origin;
 use crate::scene::plane::Plane;
 use crate::scene::request::Request;
-use crate::vec3::Vec3;
 
 /// Plausible frequencies in Hz. Air-coupled arrays use 20 kHz to 1 MHz; the margin is for audible and laboratory frequencies.
 const FREQUENCY: RangeInclusive<f64> = 5e3..=2e6;

@@ -3,10 +3,8 @@
 use core::f64::consts::PI;
 
 use crate::linalg::symmetric::eigen;
-use crate::math;
 use crate::prelude::*;
 use crate::scene::geometry::{middle, vector};
-use crate::vec3::Vec3;
 
 /// The largest deviation of the rows of a rotation matrix from orthonormal ones.
 const ROUNDING: f64 = 1e-6;

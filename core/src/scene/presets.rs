@@ -1,11 +1,8 @@
 //! Presets: the arrays of real boards and of Suzuki et al. 2021, as data with their source.
 
-use num_complex::Complex64;
-
 use crate::device::board;
 use crate::device::quantization::Quantization;
 use crate::error;
-use crate::math;
 use crate::prelude::*;
 use crate::scene::directivity::Directivity;
 use crate::scene::geometry::lattice;

@@ -1,9 +1,6 @@
 //! Request: target pressures of the control points, with or without phases, and weights; and their checks.
 
-use num_complex::Complex64;
-
 use crate::error::{ErrorCode, one_each, real};
-use crate::math;
 use crate::prelude::*;
 
 /// Requested pressures (M,) in Pa, their phases (M,) in rad and weights (M,) of M points; each list may be left out.

@@ -2,13 +2,9 @@
 
 use alloc::sync::Arc;
 
-use num_complex::Complex64;
-
 use crate::error::{find, one_each};
-use crate::math;
 use crate::prelude::*;
 use crate::scene::Array;
-use crate::vec3::Vec3;
 
 /// Factors s_ji that turn foci into traps. While a scene is solved, they multiply the responses; the played drive does not
 /// contain them. If the drive q makes `sum_i G_ji s_ji q_i` a strong focus at point j, the real field `sum_i G_ji q_i` is a

@@ -1,9 +1,6 @@
 //! Start: the drive or the phases at the points from which an iterative method begins; and the check of a drive.
 
-use num_complex::Complex32;
-
 use crate::error::one_each;
-use crate::math;
 use crate::prelude::*;
 
 /// Where an iterative method begins.

@@ -1,12 +1,10 @@
 //! Walls: infinite planes as obstacles, each with a mirror that faces the array.
 
 use crate::error::ErrorCode;
-use crate::math;
 use crate::prelude::*;
 use crate::scene::geometry::vector;
 use crate::scene::surface::{ON, Surface};
 use crate::scene::{Array, Medium};
-use crate::vec3::Vec3;
 
 /// Two normals are at a right angle if the modulus of their cosine is below this, which allows for rounding.
 const SQUARE: f64 = 1e-6;

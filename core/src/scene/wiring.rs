@@ -1,7 +1,5 @@
 //! Wiring: transducers that share a channel, and the boards of an array.
 
-use num_complex::Complex64;
-
 use crate::device::board::{self, Board};
 use crate::device::channels::Channels;
 use crate::device::format::Layout;

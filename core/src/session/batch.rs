@@ -2,8 +2,6 @@
 
 use core::cmp::Reverse;
 
-use num_complex::Complex32;
-
 use crate::prelude::*;
 use crate::problem::{Metrics, Solution, Status};
 use crate::solvers::remark::{KINDS, Remark};

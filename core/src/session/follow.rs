@@ -1,7 +1,5 @@
 //! Follow: solves the frames of a motion one after another, each with the previous one as its start.
 
-use num_complex::Complex32;
-
 use crate::prelude::*;
 use crate::problem::Status;
 use crate::scene::Start;

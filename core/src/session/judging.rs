@@ -1,7 +1,5 @@
 //! Judging: computes the metrics of many drives, each at its own points, sixteen at a time, over all threads.
 
-use num_complex::Complex32;
-
 use crate::control::bytes;
 use crate::kernels::LANES;
 use crate::prelude::*;

@@ -16,8 +16,6 @@ pub use worker::SolveRequest;
 
 use alloc::sync::Arc;
 
-use num_complex::Complex32;
-
 use crate::control::bytes;
 use crate::error::Notice;
 use crate::kernels::LANES;

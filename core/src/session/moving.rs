@@ -3,8 +3,6 @@
 use core::f64::consts::PI;
 use core::ops::Range;
 
-use num_complex::Complex32;
-
 use crate::device::quantization::{Quantization, steps_within};
 use crate::error::{ErrorCode, Notice, real};
 use crate::kernels::InstructionSet;
@@ -19,7 +17,6 @@ use crate::sequence::horizon::PHASES;
 use crate::session::{Frames, Session, SolveRequest};
 use crate::solvers::registry;
 use crate::solvers::remark::Remark;
-use crate::vec3::Vec3;
 
 /// Time in s, to each side, over which the acceleration of points is averaged. A bead oscillates much more slowly.
 const LOOK: f64 = 0.5e-3;

@@ -3,8 +3,6 @@
 use alloc::sync::Arc;
 use core::ops::Range;
 
-use num_complex::Complex32;
-
 use crate::prelude::*;
 use crate::propagation::Model;
 use crate::scene::Signature;

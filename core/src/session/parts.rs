@@ -2,8 +2,6 @@
 
 use core::ops::Range;
 
-use num_complex::Complex32;
-
 use crate::prelude::*;
 use crate::problem::Solution;
 use crate::session::batch::Outcome;

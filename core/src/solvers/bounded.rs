@@ -11,12 +11,9 @@
 
 use core::iter::zip;
 
-use num_complex::{Complex32, Complex64};
-
 use crate::control::bytes;
 use crate::kernels::InstructionSet;
 use crate::kernels::double::{self, WIDE};
-use crate::math;
 use crate::prelude::*;
 use crate::problem::{Problem, Solution};
 use crate::solvers::common::alternating_projection::start_phasors;

@@ -16,8 +16,6 @@
 
 use core::any::Any;
 
-use num_complex::Complex32;
-
 use crate::kernels::closed_form;
 use crate::kernels::closed_form::interleaved_sweep;
 use crate::kernels::closed_form::{Memory, Sweep};

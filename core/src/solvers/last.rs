@@ -1,7 +1,5 @@
 //! The last frame, stored by a solver that follows moving points.
 
-use num_complex::Complex32;
-
 use crate::prelude::*;
 use crate::workspace::Workspace;
 

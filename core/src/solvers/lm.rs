@@ -7,13 +7,10 @@
 
 use core::f64::consts::TAU;
 
-use num_complex::Complex32;
-
 use crate::error::real;
 use crate::kernels;
 use crate::kernels::padded;
 use crate::linalg::Planar;
-use crate::math;
 use crate::math::{sqrt, sqrtf};
 use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};

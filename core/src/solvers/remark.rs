@@ -8,7 +8,6 @@ use core::fmt;
 
 use crate::device::quantization::steps_within;
 use crate::error::{ErrorCode, Notice};
-use crate::math;
 use crate::prelude::*;
 use crate::problem::{Beyond, Problem, Solution};
 use crate::scene::Aim;

@@ -1,7 +1,5 @@
 //! The entry point: balance, solve, round to the board, report.
 
-use num_complex::Complex32;
-
 use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::solvers::batching;

@@ -2,9 +2,7 @@
 
 use core::f64::consts::PI;
 
-use num_complex::Complex64;
-
-use crate::math;
+use crate::prelude::*;
 
 /// From this |z| on the series in 1/z is used. At this |z| both series have a relative error of about 1e-10.
 const FAR: f64 = 12.0;

@@ -2,9 +2,6 @@
 
 use core::f64::consts::TAU;
 
-use num_complex::Complex64;
-
-use crate::math;
 use crate::prelude::*;
 
 /// Constants of the transforms of lists of one length n.

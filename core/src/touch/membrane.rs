@@ -13,10 +13,7 @@
 
 use core::f64::consts::{PI, TAU};
 
-use num_complex::{Complex32, Complex64};
-
 use crate::control::bytes;
-use crate::math;
 use crate::prelude::*;
 use crate::touch::bessel::{modified_bessel, turn};
 use crate::touch::fourier::Fourier;

@@ -1,7 +1,5 @@
 //! Sparse systems (A + s B) x = b with a real symmetric A and a diagonal B, for many complex shifts s.
 
-use num_complex::{Complex32, Complex64};
-
 use crate::control::bytes;
 use crate::kernels::InstructionSet;
 use crate::kernels::sparse::{Columns, Matrix, SHIFTS, Wide, solve};

@@ -3,9 +3,6 @@
 use core::f64::consts::{PI, TAU};
 use core::ops::Range;
 
-use num_complex::Complex32;
-
-use crate::math;
 use crate::prelude::*;
 use crate::touch::membrane::Membrane;
 use crate::touch::thresholds::{Channel, HIGHEST, strength};

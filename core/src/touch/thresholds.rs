@@ -1,8 +1,6 @@
 //! Felt strength of a vibration of the palm, from the thresholds of its two tactile channels.
 
-use crate::math;
 use crate::prelude::*;
-use crate::vec3::Vec3;
 
 /// Highest frequency, in Hz, of vibration that the skin perceives.
 pub const HIGHEST: f64 = 1000.0;

@@ -12,8 +12,6 @@
 
 use core::array;
 
-use num_complex::Complex32;
-
 use crate::kernels::closed_form::blocks;
 use crate::kernels::closed_form::blocks::{Block, Layout, Look, MOST, Sweep, direction};
 use crate::kernels::lanes::{LANES, Lanes, Octet, groups, groups_mut};

@@ -8,9 +8,8 @@ mod short;
 
 pub(crate) use blocks::{MOST, Memory, Sweep, floats};
 
-use num_complex::Complex32;
-
 use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::prelude::*;
 
 /// Gives every transducer of `order` the phase arg sum w conj(G) (t P/|P| - P + `own` G q), symbols as in [`blocks`]. Calls `report` with the points' pressures after each block. If `report` returns false, the sweep ends and
 /// returns false.

@@ -16,8 +16,6 @@
 
 use core::array;
 
-use num_complex::Complex32;
-
 use crate::kernels::closed_form::blocks;
 use crate::kernels::closed_form::blocks::{
     Block, Layout, Look, MOST, Memory, QUAD, ROWS, Sweep, directions, own_power,
@@ -28,6 +26,7 @@ use crate::kernels::propagate::row::ControlPoints;
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::prelude::*;
 
 /// The rows of two blocks over one lane group, aligned to a cache line.
 #[repr(align(64))]

@@ -4,14 +4,13 @@
 //! another, so that four points take a quarter of the time of sixteen. Sums over the lanes are taken between the
 //! kernels.
 
-use num_complex::Complex32;
-
 use crate::kernels::closed_form::blocks::{MOST, Memory, QUAD, Sweep, own_power, residual, unit};
 use crate::kernels::grid::Phases;
 use crate::kernels::lanes::{LANES, Lanes, Octet, groups, groups_mut};
 use crate::kernels::propagate::octets::write_rows;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Apart, Elementwise, Simd};
+use crate::prelude::*;
 
 /// Runs [`crate::kernels::closed_form::sweep`] on an instruction set of narrow registers.
 pub(super) fn sweep(

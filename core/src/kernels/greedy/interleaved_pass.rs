@@ -19,8 +19,6 @@
 //! 3. Eq. (7) in every lane takes as long as a few single updates, and saves 4, 7 and 10 % at M = 4, 8 and 16: in early
 //!    updates most lanes have points that the moments leave out.
 
-use num_complex::Complex32;
-
 use crate::kernels::greedy;
 use crate::kernels::greedy::candidates::Candidates;
 use crate::kernels::greedy::large_grid;
@@ -34,6 +32,7 @@ use crate::kernels::greedy::{Layout, Pass, PointsInLanes, Search, run};
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::prelude::*;
 
 /// Returns whether this pass can search K = `amplitudes` times L = `phases` candidates.
 pub(crate) fn fits(phases: usize, amplitudes: usize) -> bool {

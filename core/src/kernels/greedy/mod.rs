@@ -33,9 +33,8 @@ pub(crate) mod shortlist;
 
 use core::marker::PhantomData;
 
-use num_complex::Complex32;
-
 use crate::kernels::greedy::energies::Energies;
+use crate::prelude::*;
 
 use crate::kernels::greedy::candidates::Candidates;
 use crate::kernels::greedy::moments::{Moments, PARTS, Parts};

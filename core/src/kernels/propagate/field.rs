@@ -11,8 +11,6 @@
 //! 3. The sources of a run, 16 KB, stay in the nearest cache. (Where the code must be short, the stack must be small
 //!    too: a run then has 64 transducers.)
 
-use num_complex::Complex32;
-
 use crate::kernels::lanes::{LANES, groups, groups_mut};
 use crate::kernels::propagate::form::{Form, Radiation, formed};
 use crate::kernels::propagate::row::{ControlPoints, element, silence};

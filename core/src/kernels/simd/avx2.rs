@@ -1,17 +1,7 @@
 //! AVX2 and FMA: two registers for 16 lanes (Haswell and Zen, and later).
 
-use core::arch::x86_64::{
-    __m256, __m256d, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm_add_ps, _mm_add_ss, _mm_cvtss_f32,
-    _mm_max_ps, _mm_movehl_ps, _mm_set1_ps, _mm_shuffle_ps, _mm256_add_epi32, _mm256_add_pd, _mm256_add_ps,
-    _mm256_and_ps, _mm256_blend_ps, _mm256_blendv_pd, _mm256_blendv_ps, _mm256_castpd_si256, _mm256_castps_si256,
-    _mm256_castps256_ps128, _mm256_castsi256_pd, _mm256_castsi256_ps, _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cvtepi32_ps,
-    _mm256_cvtps_epi32, _mm256_div_pd, _mm256_div_ps, _mm256_extractf128_ps, _mm256_floor_ps, _mm256_fmadd_ps,
-    _mm256_fnmadd_ps, _mm256_i32gather_ps, _mm256_loadu_pd, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_epu32,
-    _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_permute_ps, _mm256_permute2f128_ps,
-    _mm256_permutevar8x32_ps, _mm256_round_ps, _mm256_set_m128, _mm256_set1_epi32, _mm256_set1_epi64x, _mm256_set1_pd,
-    _mm256_set1_ps, _mm256_slli_epi32, _mm256_sqrt_pd, _mm256_sqrt_ps, _mm256_srli_epi32, _mm256_srli_epi64,
-    _mm256_storeu_pd, _mm256_storeu_ps, _mm256_sub_epi32, _mm256_sub_epi64, _mm256_sub_pd, _mm256_sub_ps,
-};
+#[allow(clippy::wildcard_imports, reason = "the intrinsics, whose names say where they are from")]
+use core::arch::x86_64::*;
 
 use crate::kernels::lanes::Lanes;
 use crate::kernels::simd::doubles::{Doubles, EIGHT, ROOT};

@@ -1,18 +1,7 @@
 //! AVX-512 F and DQ: one register for 16 lanes (Skylake-X and later).
 
-use core::arch::x86_64::{
-    __m512, __m512d, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _MM_FROUND_TO_NEG_INF, _mm_set_ss,
-    _mm512_abs_ps, _mm512_add_epi32, _mm512_add_pd, _mm512_add_ps, _mm512_and_si512, _mm512_castpd_ps,
-    _mm512_castpd_si512, _mm512_castps_si512, _mm512_castsi512_pd, _mm512_cmp_pd_mask, _mm512_cmp_ps_mask,
-    _mm512_cvt_roundps_epi32, _mm512_cvtps_epi32, _mm512_cvtss_f32, _mm512_div_pd, _mm512_div_ps, _mm512_fmadd_ps,
-    _mm512_fnmadd_ps, _mm512_getexp_ps, _mm512_i32gather_ps, _mm512_i64gather_pd, _mm512_loadu_pd, _mm512_loadu_ps,
-    _mm512_mask_blend_pd, _mm512_mask_blend_ps, _mm512_mask_broadcastss_ps, _mm512_max_ps, _mm512_min_epu32,
-    _mm512_min_ps, _mm512_mul_pd, _mm512_mul_ps, _mm512_permute_ps, _mm512_permutexvar_ps, _mm512_reduce_ps,
-    _mm512_roundscale_ps, _mm512_rsqrt14_ps, _mm512_scalef_ps, _mm512_set1_epi32, _mm512_set1_epi64, _mm512_set1_pd,
-    _mm512_set1_ps, _mm512_shuffle_f32x4, _mm512_shuffle_ps, _mm512_sqrt_pd, _mm512_sqrt_ps, _mm512_srli_epi64,
-    _mm512_storeu_pd, _mm512_storeu_ps, _mm512_sub_epi64, _mm512_sub_pd, _mm512_sub_ps, _mm512_unpackhi_ps,
-    _mm512_unpacklo_ps,
-};
+#[allow(clippy::wildcard_imports, reason = "the intrinsics, whose names say where they are from")]
+use core::arch::x86_64::*;
 
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::doubles::{Doubles, EIGHT, ROOT};

@@ -1,12 +1,7 @@
 //! NEON: four registers for 16 lanes, on every 64-bit ARM CPU.
 
-use core::arch::aarch64::{
-    float32x4_t, vabsq_f32, vaddq_f32, vaddq_s32, vaddvq_u32, vandq_u32, vbslq_f32, vcltq_f32, vcombine_f32,
-    vcvtq_f32_s32, vcvtq_s32_f32, vdivq_f32, vdupq_n_f32, vdupq_n_s32, vextq_f32, vfmaq_f32, vfmsq_f32, vget_high_f32,
-    vget_low_f32, vld1q_f32, vld1q_u32, vmulq_f32, vreinterpretq_f32_s32, vreinterpretq_s32_f32, vrev64q_f32,
-    vrndnq_f32, vrsqrteq_f32, vrsqrtsq_f32, vshlq_n_s32, vshrq_n_s32, vsqrtq_f32, vst1q_f32, vsubq_f32, vsubq_s32,
-    vtrn1q_f32,
-};
+#[allow(clippy::wildcard_imports, reason = "the intrinsics, whose names say where they are from")]
+use core::arch::aarch64::*;
 
 use crate::kernels::simd::fours::{FOUR, Fours, Register};
 

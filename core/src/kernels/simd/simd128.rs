@@ -2,11 +2,8 @@
 //!
 //! No operation is fused and the estimate is that of the scalar set, so that both sets give the same bits.
 
-use core::arch::wasm32::{
-    f32x4_abs, f32x4_add, f32x4_convert_i32x4, f32x4_div, f32x4_lt, f32x4_mul, f32x4_nearest, f32x4_pmax, f32x4_pmin,
-    f32x4_splat, f32x4_sqrt, f32x4_sub, i32x4_add, i32x4_bitmask, i32x4_shl, i32x4_shuffle, i32x4_splat, i32x4_sub,
-    i32x4_trunc_sat_f32x4, u32x4_shr, v128, v128_bitselect, v128_load, v128_store,
-};
+#[allow(clippy::wildcard_imports, reason = "the intrinsics, whose names say where they are from")]
+use core::arch::wasm32::*;
 
 use crate::kernels::simd::fours::{FOUR, Register};
 

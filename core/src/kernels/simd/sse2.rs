@@ -2,12 +2,8 @@
 //!
 //! No operation is fused and the estimate is that of the scalar set.
 
-use core::arch::x86_64::{
-    __m128, _mm_add_epi32, _mm_add_ps, _mm_and_ps, _mm_andnot_ps, _mm_castps_si128, _mm_castsi128_ps, _mm_cmplt_ps,
-    _mm_cvtepi32_ps, _mm_cvttps_epi32, _mm_div_ps, _mm_loadu_ps, _mm_max_ps, _mm_min_ps, _mm_movemask_ps, _mm_mul_ps,
-    _mm_or_ps, _mm_set1_epi32, _mm_set1_ps, _mm_shuffle_ps, _mm_slli_epi32, _mm_sqrt_ps, _mm_srli_epi32, _mm_storeu_ps,
-    _mm_sub_epi32, _mm_sub_ps,
-};
+#[allow(clippy::wildcard_imports, reason = "the intrinsics, whose names say where they are from")]
+use core::arch::x86_64::*;
 
 use crate::kernels::simd::WHOLE;
 use crate::kernels::simd::fours::{FOUR, Register};

@@ -1,7 +1,5 @@
 //! Force of sound on a sphere in the field of a drive, its potential and stiffness, by exact derivatives.
 
-use num_complex::{Complex32, Complex64};
-
 use crate::control::bytes;
 use crate::prelude::*;
 use crate::propagation::forces::momentum::Pushed;
@@ -14,7 +12,6 @@ use crate::propagation::scattering::bodies::Bodies;
 use crate::propagation::sources::Sources;
 use crate::propagation::taylor::Taylor;
 use crate::scene::{Particle, check_drive, check_places, distance};
-use crate::vec3::Vec3;
 
 /// How many points a thread computes together.
 const CHUNK: usize = 16;

@@ -10,8 +10,6 @@
 
 use core::ops::Range;
 
-use num_complex::Complex64;
-
 use crate::control::bytes;
 use crate::error::one_each;
 use crate::kernels::InstructionSet;
@@ -27,7 +25,6 @@ use crate::propagation::scattering::reflection::reflections;
 use crate::propagation::sources::Sources;
 use crate::propagation::taylor::Taylor;
 use crate::scene::{Medium, Obstacle, check_places};
-use crate::vec3::Vec3;
 
 /// How many points share one sum of gradients by transducers. These sums are added in the order of the points, so that the
 /// result does not depend on the threads.

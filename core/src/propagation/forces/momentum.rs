@@ -13,14 +13,10 @@
 //! c_p = omega/k_p (V. C. Anderson, J. Acoust. Soc. Am. 22, 426, 1950). For a large c_p it is rigid, and moves with the sound
 //! as far as its mass allows: g_1 = rho/(rho_p a), g_0 = 0. The air has no viscosity and, around the sphere, no absorption.
 
-use num_complex::Complex64;
-
-use crate::math;
 use crate::prelude::*;
 use crate::propagation::jet::Jet;
 use crate::propagation::scattering::sphere::{Rules, Sphere};
 use crate::scene::{Medium, Particle, Surface, dot};
-use crate::vec3::Vec3;
 
 /// A sphere in air, on which sound exerts a force.
 pub(crate) struct Pushed {

@@ -1,9 +1,7 @@
 //! Particle: mass, weight and drag of a sphere.
 
-use crate::math;
 use crate::prelude::*;
 use crate::scene::{Medium, Particle};
-use crate::vec3::Vec3;
 
 /// The largest radius of a small sphere in wavelengths: k a = 0.79. Its force is that of [`crate::propagation::forces::response`].
 pub(crate) const LARGEST: f64 = 0.125;

@@ -1,9 +1,6 @@
 //! Quantity: a function of the field at a point, and its derivatives by the pressure there.
 
-use num_complex::Complex64;
-
 use crate::kernels::contraction::Weights;
-use crate::math;
 use crate::prelude::*;
 use crate::propagation::forces::response::{Form, Response};
 use crate::propagation::jet::{EXPONENTS, Jet, TERMS, place};

@@ -15,8 +15,6 @@
 //! Gor'kov's. The imaginary parts are the push of travelling waves. The term n = 3, which is left out, is at most 1.2e-3 of
 //! the force in a standing wave, for a heavy sphere of a = lambda/8. It grows as a^4.
 
-use num_complex::Complex64;
-
 use crate::prelude::*;
 use crate::propagation::forces::momentum::scattered;
 use crate::propagation::jet::{EXPONENTS, degree, factorial, place};

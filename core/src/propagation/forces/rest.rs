@@ -1,7 +1,5 @@
 //! Rest: the place where a particle rests in the field of a drive, and how stable it is there.
 
-use num_complex::Complex32;
-
 use crate::control::bytes;
 use crate::linalg::symmetric::eigen;
 use crate::prelude::*;
@@ -9,7 +7,6 @@ use crate::propagation::forces::gorkov::{Push, Trap};
 use crate::propagation::model::Model;
 use crate::scene::geometry::vector;
 use crate::scene::{Bead, Particle};
-use crate::vec3::Vec3;
 
 /// The longest step along the force, in wavelengths.
 const STEP: f64 = 1.0 / 48.0;

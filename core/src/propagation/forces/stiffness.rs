@@ -12,8 +12,6 @@
 //!
 //! Foci beside the traps have rows of C, too. Only the first coefficient of a focus, its pressure, is used.
 
-use num_complex::Complex32;
-
 use crate::control::bytes;
 use crate::device::channels::Channels;
 use crate::kernels::{InstructionSet, padded};

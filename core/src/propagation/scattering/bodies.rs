@@ -7,8 +7,6 @@
 use alloc::sync::Arc;
 use core::fmt;
 
-use num_complex::{Complex32, Complex64};
-
 use crate::kernels::{InstructionSet, padded, panels};
 use crate::prelude::*;
 use crate::propagation::jet::TERMS;

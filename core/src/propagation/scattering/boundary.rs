@@ -15,8 +15,6 @@
 //! one integral over the angle. A six-point rule computes all other integrals; near elements are first cut into
 //! quarters.
 
-use num_complex::{Complex32, Complex64};
-
 use crate::control::bytes;
 use crate::kernels::InstructionSet;
 use crate::kernels::panels::{self, Panels};
@@ -26,7 +24,6 @@ use crate::propagation::scattering::element::{Element, influence};
 use crate::propagation::scattering::reflection::{Reflection, reflections};
 use crate::propagation::sources::Sources;
 use crate::scene::{Array, Medium, Obstacle, Obstacles, check_array, element_size};
-use crate::vec3::Vec3;
 
 /// The step along a normal for numerical derivatives, in wavelengths. The truncation error, proportional to the square of the
 /// step, and the rounding error are both below 1e-7.

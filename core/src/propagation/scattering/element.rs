@@ -2,16 +2,12 @@
 
 use core::f64::consts::PI;
 
-use num_complex::Complex64;
-
 use crate::kernels::panels::{NODES, Panels};
 use crate::kernels::phasor::TAYLOR;
 use crate::kernels::simd::doubles::EIGHT;
-use crate::math;
 use crate::prelude::*;
 use crate::scene::mesh::{Triangle, area_vector, halved};
 use crate::scene::{Mesh, Surface};
-use crate::vec3::Vec3;
 
 /// Nodes and weights of a six-point rule on a triangle, exact for polynomials of degree 4 (D. A. Dunavant, Int. J. Numer. Meth.
 /// Eng. 21, 1129, 1985). Each row stands for three nodes: the barycentric coordinate of two corners, that of the third corner,

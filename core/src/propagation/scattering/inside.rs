@@ -4,15 +4,11 @@
 //! The number is 2 where two bodies overlap, and 0 outside. It is computed slightly below the middle of each element.
 //! If a plate is too thin for its elements, that place is already outside of the plate.
 
-use num_complex::{Complex32, Complex64};
-
-use crate::math;
 use crate::prelude::*;
 use crate::propagation::scattering::boundary::Boundary;
 use crate::propagation::scattering::element::Element;
 use crate::scene::Mesh;
 use crate::scene::mesh::Triangle;
-use crate::vec3::Vec3;
 
 /// The depth below an element at which the body must still be, as a part of the element's reach. It comes from trials with
 /// rigid plates of different thickness. The sound in their shadow is within 2 % from a thickness of 0.18 of the reach on. It is

@@ -9,8 +9,6 @@ pub(crate) mod sphere;
 
 use alloc::sync::Arc;
 
-use num_complex::Complex64;
-
 use crate::prelude::*;
 use crate::propagation::scattering::bodies::Bodies;
 use crate::propagation::scattering::reflection::{Reflection, reflections};

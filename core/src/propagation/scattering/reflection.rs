@@ -13,7 +13,6 @@ use crate::prelude::*;
 use crate::propagation::scattering::element::Element;
 use crate::scene::wall::Mirror;
 use crate::scene::{Array, Obstacles, Surface};
-use crate::vec3::Vec3;
 
 /// The most walls that a wave meets one after another. With three, a corner of three walls is exact.
 const MOST_REFLECTIONS: usize = 3;

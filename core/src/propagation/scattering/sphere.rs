@@ -13,13 +13,9 @@
 
 use core::f64::consts::{PI, TAU};
 
-use num_complex::Complex64;
-
-use crate::math;
 use crate::prelude::*;
 use crate::propagation::sources::Sources;
 use crate::scene::{Medium, Surface, distance};
-use crate::vec3::Vec3;
 
 /// Terms smaller than e^-10 = 5e-5 of a transducer's largest term are left out.
 const CUT: f64 = 10.0;

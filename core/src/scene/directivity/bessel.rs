@@ -1,7 +1,6 @@
 //! Bessel functions of x = k a sin(theta), for the directivities piston and sinc, as Taylor series in cos(theta).
 
 use crate::kernels::waves::SLOPES;
-use crate::math;
 use crate::prelude::*;
 
 /// Below this x the power series of the Bessel functions is short; above it the recurrence loses no digits.

@@ -1,6 +1,6 @@
 //! D = cos(theta)^n: the directivity of `HandyBeam`.
 
-use crate::math;
+use crate::prelude::*;
 use crate::scene::directivity::law::{Directivity, Law, Parameter, Shape, Taylor};
 
 pub(super) static LAW: Law = Law {

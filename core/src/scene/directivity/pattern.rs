@@ -6,7 +6,6 @@ use core::{array, iter};
 use crate::kernels::LANES;
 use crate::kernels::lanes::Lanes;
 use crate::kernels::propagate::directivity::{Chebyshev, Exponent, MIDDLE, Pattern, Pieces, Polynomial};
-use crate::math;
 use crate::prelude::*;
 use crate::scene::directivity::law::{Directivity, Shape};
 

@@ -1,6 +1,6 @@
 //! A circular piston in a baffle (P. M. Morse and K. U. Ingard, Theoretical Acoustics, 1968, section 7.4).
 
-use crate::math;
+use crate::prelude::*;
 use crate::scene::directivity::law::{Directivity, Law, Parameter, Shape, Taylor};
 
 pub(super) static LAW: Law = Law {

@@ -1,6 +1,6 @@
 //! An aperture of finite width: the directivity of Ultraino.
 
-use crate::math;
+use crate::prelude::*;
 use crate::scene::directivity::law::{Directivity, Law, Parameter, Shape, Taylor};
 
 pub(super) static LAW: Law = Law {

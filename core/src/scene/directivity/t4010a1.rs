@@ -1,6 +1,6 @@
 //! The measured directivity of the Nicera T4010A1, the transducer of the AUTD3.
 
-use crate::math;
+use crate::prelude::*;
 use crate::scene::directivity::law::{Directivity, Law, Shape, Taylor};
 
 /// D at 0, 10, ..., 90 degrees (values of the AUTD3 software's transducer table).

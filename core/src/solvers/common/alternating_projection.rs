@@ -1,11 +1,8 @@
 //! Alternating projection (Gerchberg-Saxton): from requested pressures to drives of |q| = 1, and back; starts.
 
-use num_complex::Complex32;
-
 use crate::kernels::tiles;
 use crate::kernels::tiles::unit::Arc;
 use crate::linalg::Planar;
-use crate::math;
 use crate::prelude::*;
 use crate::problem::Problem;
 use crate::propagation::field_of;

@@ -1,7 +1,5 @@
 //! Back-projection: the drive q = f G^H x of the requested pressures x, limited, with its field.
 
-use num_complex::Complex32;
-
 use crate::linalg::Planar;
 use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};

@@ -15,8 +15,6 @@
 
 use core::f64::consts::TAU;
 
-use num_complex::Complex32;
-
 use crate::kernels;
 use crate::kernels::greedy::objective::Term;
 use crate::kernels::{Candidates, LANES, PhaseRange, PointGroup};

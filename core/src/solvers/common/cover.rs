@@ -11,9 +11,6 @@
 //! most of the power goes through the points. A disc, a square or a picture that begins so ends at a tenth of the error
 //! that random phases or plane waves end at.
 
-use num_complex::{Complex32, Complex64};
-
-use crate::math;
 use crate::prelude::*;
 use crate::problem::Problem;
 use crate::workspace::Workspace;

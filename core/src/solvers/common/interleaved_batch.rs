@@ -3,8 +3,6 @@
 use alloc::sync::Arc;
 use core::array;
 
-use num_complex::Complex32;
-
 use crate::kernels::closed_form::interleaved_sweep::{EIGHT, deal_in, deal_out};
 use crate::kernels::propagate::field::interleaved_field;
 use crate::kernels::{ControlPoints, InstructionSet, LANES, Rows, Run, interleaved_moduli};

@@ -13,9 +13,6 @@
 
 use core::f64::consts::TAU;
 
-use num_complex::Complex32;
-
-use crate::math;
 use crate::prelude::*;
 use crate::problem::{Problem, Status};
 use crate::rng::Rng;

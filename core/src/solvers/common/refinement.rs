@@ -3,8 +3,6 @@
 //! Plain rounding leaves errors that add up at random at the points. The search rotates one transducer after another to
 //! the phase that reduces them most. A few rounds remove most of the error.
 
-use num_complex::Complex32;
-
 use crate::kernels;
 use crate::kernels::{Candidates, table};
 use crate::linalg::Planar;

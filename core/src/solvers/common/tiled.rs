@@ -1,7 +1,5 @@
 //! G stored as tiles (`Rows`), and a drive with its field at the points (`Wave`).
 
-use num_complex::Complex32;
-
 use crate::control::bytes;
 use crate::kernels::InstructionSet;
 use crate::kernels::lanes::BLOCK;

@@ -4,8 +4,6 @@
 //! Each transducer's turn evaluates all candidates at once; a sweep has N turns. Nothing is known about the energy, so
 //! there are no shortcuts: a turn takes O(K L M) plus the time of the energy itself.
 
-use num_complex::Complex32;
-
 use crate::control::bytes;
 use crate::math::modulus;
 use crate::prelude::*;
