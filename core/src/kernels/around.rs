@@ -4,8 +4,7 @@
 
 use crate::kernels::flight::TERMS;
 use crate::kernels::lanes::{LANES, Lanes};
-use crate::kernels::simd::Elementwise;
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{Elementwise, InstructionSet, dispatch};
 use crate::prelude::*;
 
 /// Number of values at a place: the pressure and its derivatives up to the third, along [`WAYS`].

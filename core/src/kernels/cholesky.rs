@@ -1,8 +1,7 @@
 //! Cholesky factor U, A = U^T U, of a symmetric matrix A with padded rows, and the solution of A x = b.
 
 use crate::kernels::lanes::{LANES, groups, groups_mut, padded};
-use crate::kernels::simd::Simd;
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{InstructionSet, Simd, dispatch};
 use crate::math::sqrtf;
 use crate::prelude::*;
 

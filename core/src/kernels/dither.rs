@@ -15,8 +15,7 @@ use core::ops::Range;
 
 use crate::kernels::lanes::{groups, groups_mut};
 use crate::kernels::propagate::rows::Rows;
-use crate::kernels::simd::Simd;
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{InstructionSet, Simd, dispatch};
 use crate::prelude::*;
 
 /// Values at the points; all lists have the same padded length.

@@ -11,8 +11,7 @@
 //! same code. If two are equally near, the later phase and the larger amplitude are chosen.
 
 use crate::kernels::lanes::{LANES, Lanes};
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::simd::{Apart, Elementwise, Simd, WHOLE};
+use crate::kernels::simd::{Apart, Elementwise, InstructionSet, Simd, WHOLE, dispatch};
 use crate::prelude::*;
 
 /// A drive above this modulus is at full power; the difference is rounding.

@@ -4,8 +4,7 @@
 //! underflows.
 
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::simd::{Apart, Elementwise};
+use crate::kernels::simd::{Apart, Elementwise, InstructionSet, dispatch};
 use crate::math::sqrtf;
 
 /// Reduces every |q| above 1 to 1; other drives stay.

@@ -1,8 +1,7 @@
 //! Vectors over the points: moduli, inner products, sums of squares, and adding the field of one source.
 
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::simd::{Apart, Elementwise, Simd, TINY};
+use crate::kernels::simd::{Apart, Elementwise, InstructionSet, Simd, TINY, dispatch};
 
 /// Returns the pressure P plus the wave G q.
 #[inline(always)]

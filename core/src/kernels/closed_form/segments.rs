@@ -24,8 +24,7 @@ use crate::kernels::lanes::{LANES, Lanes, Line, Octet, groups};
 use crate::kernels::propagate::octets::write_segments;
 use crate::kernels::propagate::row::ControlPoints;
 use crate::kernels::propagate::rows::Rows;
-use crate::kernels::simd::Simd;
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{InstructionSet, Simd, dispatch};
 use crate::prelude::*;
 
 /// The rows of two blocks over one lane group, aligned to a cache line.

@@ -30,8 +30,7 @@ use crate::kernels::greedy::shortlist;
 use crate::kernels::greedy::shortlist::few;
 use crate::kernels::greedy::{Layout, Pass, PointsInLanes, Search, run};
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
-use crate::kernels::simd::Simd;
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{InstructionSet, Simd, dispatch};
 use crate::prelude::*;
 
 /// Returns whether this pass can search K = `amplitudes` times L = `phases` candidates.

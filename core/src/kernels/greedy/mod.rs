@@ -41,11 +41,10 @@ use crate::kernels::greedy::moments::{Moments, PARTS, Parts};
 use crate::kernels::greedy::objective::Term;
 use crate::kernels::greedy::search::Points;
 use crate::kernels::propagate::rows::Rows;
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
 use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::lanes::{LANES, groups, groups_mut};
-use crate::kernels::simd::Simd;
+use crate::kernels::simd::{InstructionSet, Simd, dispatch};
 
 /// Largest difference of two energies that is ignored, relative to the energy of silence. It is a fifth of the loss
 /// that docs/reproducibility.md allows; the rest is for the rounding of G.

@@ -13,8 +13,7 @@ use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::greedy::search;
 use crate::kernels::greedy::search::Points;
 use crate::kernels::lanes::{groups, groups_mut};
-use crate::kernels::simd::Simd;
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{InstructionSet, Simd, dispatch};
 
 /// Writes point groups from targets and weights (`requested`) and pressures (`field`), lists of the same padded length.
 pub(crate) fn keep(set: InstructionSet, requested: [&[f32]; 2], field: [&[f32]; 2], points: &mut [PointGroup]) {

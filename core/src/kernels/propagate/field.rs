@@ -15,8 +15,7 @@ use crate::kernels::lanes::{LANES, groups, groups_mut};
 use crate::kernels::propagate::form::{Form, Radiation, formed};
 use crate::kernels::propagate::row::{ControlPoints, element, silence};
 use crate::kernels::propagate::source::SourceList;
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::simd::{Apart, Elementwise};
+use crate::kernels::simd::{Apart, Elementwise, InstructionSet, dispatch};
 use crate::kernels::vector::add_wave;
 use crate::prelude::*;
 

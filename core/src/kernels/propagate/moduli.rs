@@ -18,8 +18,7 @@ use crate::kernels::lanes::{LANES, Line, groups, groups_mut};
 use crate::kernels::propagate::form::{Form, Radiation, formed};
 use crate::kernels::propagate::row::{ControlPoints, spread};
 use crate::kernels::propagate::source::{SourceGroup, SourceLanes, SourceList};
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::simd::{Apart, Elementwise, Simd};
+use crate::kernels::simd::{Apart, Elementwise, InstructionSet, Simd, dispatch};
 use crate::prelude::*;
 
 /// Number of source groups whose moduli are summed in f32 before the sum continues in f64; they stay in the nearest

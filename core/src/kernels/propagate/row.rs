@@ -5,8 +5,7 @@ use crate::kernels::lanes::{LANES, Lanes, Line, groups, groups_mut};
 use crate::kernels::phasor::{power_of_two, wave};
 use crate::kernels::propagate::form::{Form, Plain, Radiation, formed};
 use crate::kernels::propagate::source::{SourceLanes, SourceList};
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::simd::{Apart, Elementwise, Simd};
+use crate::kernels::simd::{Apart, Elementwise, InstructionSet, Simd, dispatch};
 
 /// Least distance in wavelengths: shorter distances count as this one, so that no field is infinite.
 pub(crate) const NEAREST: f32 = 0.01;

@@ -30,6 +30,8 @@ pub(crate) mod simd128;
 #[allow(unsafe_code, reason = "it names instructions: the program is compiled for CPUs that have them")]
 pub(crate) mod sse2;
 
+pub(crate) use instruction_set::{InstructionSet, dispatch};
+
 use crate::kernels::lanes::{LANES, Lanes};
 
 /// Smaller squares count as 0: the remainders of their roots would be denormal numbers, which take a hundred cycles on

@@ -24,8 +24,7 @@
 
 use crate::kernels::grid::{Few, Phases};
 use crate::kernels::lanes::{BLOCK, LANES, Lanes, groups_mut};
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::simd::{Simd, TINY};
+use crate::kernels::simd::{InstructionSet, Simd, TINY, dispatch};
 use crate::kernels::tiles::{Tiles, add_wave};
 use crate::math::sqrtf;
 use crate::prelude::*;

@@ -12,8 +12,7 @@ use core::ops::Range;
 
 use crate::kernels::lanes::{BLOCK, Block, LANES, Lanes, groups, groups_mut};
 use crate::kernels::propagate::rows::Rows;
-use crate::kernels::simd::Simd;
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{InstructionSet, Simd, dispatch};
 use crate::kernels::vector::add_wave;
 use crate::prelude::*;
 

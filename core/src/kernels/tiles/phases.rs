@@ -3,8 +3,7 @@
 use crate::kernels::lanes::BLOCK;
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::phasor::wave;
-use crate::kernels::simd::TINY;
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{InstructionSet, TINY, dispatch};
 use crate::kernels::tiles::Tiles;
 use crate::math::sqrtf;
 use crate::prelude::*;
