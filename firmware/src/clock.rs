@@ -6,7 +6,6 @@ use cortex_m::peripheral::syst::SystClkSource;
 const TOP: u32 = 0x00ff_ffff;
 
 /// A running clock.
-#[allow(missing_debug_implementations, reason = "a register block")]
 pub struct Clock(SYST);
 
 impl Clock {

@@ -19,7 +19,6 @@ const STEP: f64 = 0.01;
 pub const FRAMES: u16 = 3;
 
 /// An array, its board, and all the memory that frames need.
-#[allow(missing_debug_implementations, reason = "a solver need not have one")]
 pub struct Player<S> {
     solver: S,
     model: Model,

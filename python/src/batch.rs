@@ -66,7 +66,6 @@ impl Batch {
 #[pymethods]
 impl Batch {
     /// Return the solution of problem `index`; a negative index counts from the end. `elapsed` is its share of the time.
-    #[allow(clippy::cast_precision_loss, reason = "a share of the time")]
     fn __getitem__(&self, index: &Bound<'_, PyAny>) -> PyResult<Solution> {
         let (py, count, size) = (index.py(), self.inner.steps.len(), self.points);
         let outside = || PyIndexError::new_err(format!("problem {} of a batch of {count}", quoted(index)));

@@ -76,7 +76,6 @@ fn read(text: &str) -> Option<u64> {
     let units = [("KB", 1e3), ("MB", 1e6), ("GB", 1e9), ("TB", 1e12), ("", 1.0)];
     let (number, unit) = units.iter().find_map(|(name, unit)| Some((text.strip_suffix(name)?, unit)))?;
     let bytes = number.trim().parse::<f64>().ok()? * unit;
-    #[allow(clippy::cast_sign_loss, reason = "below 0 is refused")]
     (bytes.is_finite() && bytes >= 0.0).then_some(bytes as u64)
 }
 

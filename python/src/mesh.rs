@@ -156,7 +156,6 @@ impl Mesh {
 }
 
 /// Reads the faces (F, 3) of a mesh.
-#[allow(clippy::cast_sign_loss, reason = "below 0 is checked before")]
 pub(crate) fn indices(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     let (item, cure) = ("mesh.faces", "give whole numbers of shape (F, 3), indices of vertices");
     let Numbers { values, shape } = numbers::<f64>(item, value, "iu", cure)?;

@@ -17,7 +17,6 @@ const UNITS: &[(&[&str], &[Unit])] = &[
 
 /// The columns that a kind of file may have.
 #[derive(Clone, Copy, Debug)]
-#[allow(clippy::exhaustive_structs, reason = "the words of a kind of file")]
 pub struct Columns<'a> {
     /// Alternative lists of column names, the shorter first.
     pub choices: &'a [&'a [&'a str]],
@@ -31,7 +30,6 @@ pub struct Columns<'a> {
 
 /// The numbers of a file; the columns are in the order of the chosen list of names.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "the two parts of a table")]
 pub struct Table {
     /// The line of each row, counted from 1.
     pub lines: Vec<usize>,

@@ -12,7 +12,6 @@ use crate::scene::{Array, Request};
 
 /// The result of drawing a table.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "what the tables of a scene file stand for")]
 pub enum Drawing {
     /// The points (M, 3) in m and the targets of a table `shape` or `image`.
     Points(Vec<[f64; 3]>, Request),

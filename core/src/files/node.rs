@@ -7,7 +7,6 @@ use core::fmt;
 
 /// A value of a document.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "the values of TOML and JSON")]
 pub enum Node {
     /// JSON's null.
     Null,

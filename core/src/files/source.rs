@@ -12,7 +12,6 @@ pub const MOST_BYTES: usize = 64 << 20;
 
 /// The formats of scene files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(clippy::exhaustive_enums, reason = "the two formats of the schema")]
 pub enum Format {
     /// The format TOML (toml.io).
     Toml,
@@ -47,7 +46,6 @@ pub(super) const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 
 /// The name and the folder of a document.
 #[derive(Clone, Copy, Debug)]
-#[allow(clippy::exhaustive_structs, reason = "a name and a place")]
 pub struct Source<'a> {
     /// The name in error messages: the file name.
     pub name: &'a str,

@@ -6,7 +6,6 @@ use crate::scene::{Array, Axis, Bead, Key, Obstacle, Origin, PartValue, Plane, S
 
 /// Information about a solve, written beside the scene so that a result can be reproduced.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "two remarks")]
 pub struct Provenance {
     /// The version of midair.
     pub version: Option<String>,

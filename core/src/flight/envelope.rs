@@ -14,7 +14,6 @@ const FORGOTTEN: f64 = 40.0;
 /// An open sequence is preceded by its first drive for a long time, and followed by its last drive. A closed sequence
 /// repeats.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "numbers")]
 pub struct Envelope {
     /// Frames per second.
     pub rate: f64,

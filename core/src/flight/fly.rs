@@ -43,7 +43,6 @@ type Vectors = [[f64; LANES]; 3];
 
 /// A bead at the start of a flight.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "the state of a bead and its point")]
 pub struct BeadStart {
     /// The place of the bead in m.
     pub place: [f64; 3],

@@ -1,7 +1,5 @@
 //! Around: the force on a small sphere at places in a ball, from the pressure on the ball's surface; sixteen balls at once.
 
-#![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
-
 use crate::kernels::flight::TERMS;
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::{Elementwise, InstructionSet, dispatch};

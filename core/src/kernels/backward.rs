@@ -16,7 +16,6 @@
 //! root. Both passes take eight transducers at a time.
 //!
 //! Plain loops without fused products: every instruction set gives the same bits.
-#![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
 
 use crate::kernels::phasor::close_phasor;
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, list, loaded, ray, runs, scaled, total};

@@ -13,7 +13,6 @@
 //! ```
 //!
 //! Plain loops without fused products: every instruction set gives the same bits.
-#![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
 
 use crate::kernels::phasor::phasor;
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, loaded, ray, runs, scaled, total};

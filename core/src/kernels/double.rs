@@ -3,7 +3,6 @@
 //! This module is for systems that are too ill-conditioned for f32. It has plain loops over [`WIDE`] lanes without
 //! fused products: every instruction set gives the same bits. The loops use indices, because the compiler does not keep
 //! the sums of iterators in registers.
-#![allow(clippy::needless_range_loop, reason = "counted loops keep their sums in registers")]
 
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::math::sqrt;

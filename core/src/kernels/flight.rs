@@ -21,7 +21,6 @@
 //! the velocity to which the wake has adapted: it follows u while the bead moves by its diameter.
 //!
 //! Near the centre few terms of a force are enough: the terms above some degree are left out where they are small.
-#![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
 
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};

@@ -1,7 +1,6 @@
 //! Waves: eq. (5) in double precision, eight transducers at a time: parameters, ray, phase, decay and directivity.
 //!
 //! Plain loops without fused products: every instruction set gives the same bits.
-#![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
 
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, list};
 use crate::prelude::*;

@@ -70,7 +70,6 @@ pub(super) struct Link {
 
 /// A point of a path at a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "a point, its speed and its target")]
 pub struct Moment {
     /// Place in m.
     pub place: [f64; 3],
@@ -82,7 +81,6 @@ pub struct Moment {
 
 /// How points move along a curve.
 #[derive(Clone, Copy, Debug)]
-#[allow(clippy::exhaustive_structs, reason = "the keys of a path in a scene file")]
 pub struct Run {
     /// Speed in m/s; or `frequency`.
     pub speed: Option<f64>,
@@ -102,7 +100,6 @@ impl Default for Run {
 
 /// T frames of M points.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "places and targets")]
 pub struct PathFrames {
     /// Points (T, M) in m.
     pub points: Vec<[f64; 3]>,

@@ -27,7 +27,6 @@ pub struct Reach {
 
 /// The proof that no drive can fulfil a request.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "the two ways to ask for too much")]
 pub enum Beyond {
     /// A target exceeds the pressure of all transducers together at its point.
     Alone {

@@ -19,7 +19,6 @@ pub(crate) const MISS: f64 = 0.01;
 
 /// The precision in which metrics are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[allow(clippy::exhaustive_enums, reason = "the two kinds of numbers that machines have")]
 pub enum Precision {
     /// Single precision, the rows of the solvers: |p| is accurate to 1e-4 of the pressure of all transducers at a point.
     #[default]

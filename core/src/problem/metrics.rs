@@ -28,7 +28,6 @@ macro_rules! define {
     ($($(#[$text:meta])* $name:ident)*) => {
         /// Metrics over the points with a pressure and a weight above 0, x_j = |p_j| / target_j.
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
-        #[allow(clippy::exhaustive_structs, reason = "six numbers defined in docs/conventions.md")]
         pub struct Metrics {
             $($(#[$text])* pub $name: f64,)*
         }

@@ -26,7 +26,6 @@ use crate::scene::{Array, Bead, Medium, check_drive, check_positions};
 /// # Ok::<(), midair::Error>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "checked where a problem is made of it")]
 pub struct Setup {
     /// The air; its density and sound speed give radiation pressures.
     pub medium: Medium,

@@ -4,7 +4,6 @@ use crate::scene::words;
 
 /// Which level the methods `uniform` and `best` give the points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(clippy::exhaustive_enums, reason = "the two of docs/requests.md")]
 pub enum Aim {
     /// Reach the target pressures, and never exceed them.
     Target,

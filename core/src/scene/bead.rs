@@ -30,7 +30,6 @@ numbers! {
 /// assert_eq!(heavy.gravity, [0.0, 0.0, -9.81]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "two values, checked by a scene")]
 pub struct Bead {
     /// The sphere.
     pub particle: Particle,

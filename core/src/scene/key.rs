@@ -2,7 +2,6 @@
 
 /// A key of a table in a scene file, with the texts that editors, bindings and error messages show.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "three texts")]
 pub struct Key {
     /// The key's name in scene files, Python and C.
     pub name: &'static str,
@@ -36,7 +35,6 @@ macro_rules! numbers {
     ) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq)]
-        #[allow(clippy::exhaustive_structs, reason = "numbers that a caller sets freely; a scene checks them")]
         pub struct $name {
             $( $(#[doc = $doc])+ pub $field: f64, )+
         }

@@ -69,7 +69,6 @@ const SHELL: f64 = 5.0;
 ///
 /// Who makes a scene from another one names each part here, so that the compiler finds the copies that lack a new part.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "a part must not be forgotten; Scene::with_extras checks them")]
 pub struct Extras {
     /// The signature, which turns the foci into traps; `None` for plain foci.
     pub signature: Option<Signature>,

@@ -11,7 +11,6 @@ use crate::scene::transducer::Transducer;
 
 /// The type of a part's value. Bindings have one function to read and write each type.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "a binding has to read every kind")]
 pub enum PartKind {
     /// One number.
     Real,
@@ -29,7 +28,6 @@ pub enum PartKind {
 
 /// The value of a part, one variant for each [`PartKind`].
 #[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "a binding has to write every kind")]
 pub enum PartValue {
     /// One number.
     Real(f64),

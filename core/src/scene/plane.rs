@@ -26,7 +26,6 @@ const PIXELS: usize = 200;
 
 /// An axis of space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(clippy::exhaustive_enums, reason = "space has three")]
 pub enum Axis {
     /// The axis along the rows of a flat array.
     X,

@@ -10,7 +10,6 @@ use crate::scene::transducer::Transducer;
 
 /// An array with a name.
 #[derive(Clone, Copy, Debug)]
-#[allow(clippy::exhaustive_structs, reason = "read by every binding; built only here")]
 pub struct Preset {
     /// The name in `Array::preset` and in scene files.
     pub name: &'static str,

@@ -5,7 +5,6 @@ use crate::prelude::*;
 
 /// Requested pressures (M,) in Pa, their phases (M,) in rad and weights (M,) of M points; each list may be left out.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "three lists, checked where they are used")]
 pub struct Request {
     /// Peak pressures |p| in Pa; 0 stands for a quiet point. Left out, all points have the balanced level.
     pub pressures: Option<Vec<f64>>,

@@ -5,7 +5,6 @@ use crate::prelude::*;
 
 /// Where an iterative method begins.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "the two sides of p = G q")]
 pub enum Start {
     /// A drive (N,), |q| <= 1.
     Drive(Vec<Complex32>),

@@ -7,7 +7,6 @@ pub(crate) const ON: f64 = 1e-9;
 
 /// The acoustic boundary condition of a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[allow(clippy::exhaustive_enums, reason = "the two ideal surfaces")]
 pub enum Surface {
     /// The air cannot move across the surface: dp/dn = 0. Solids in air are rigid.
     #[default]

@@ -8,7 +8,6 @@ use crate::prelude::*;
 
 /// The value of an option, as a binding passes it.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "the kinds a scene file can hold")]
 pub enum Value {
     /// true or false.
     Bool(bool),

@@ -16,7 +16,6 @@ use crate::sequence::track::{Circle, Ends};
 
 /// The bound on the changes of phase from frame to frame, and the search of the tracks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "four numbers, checked where they are used")]
 pub struct Ahead {
     /// The largest change of a transducer's phase from one frame to the next, in rad.
     pub change: f64,

@@ -33,7 +33,6 @@ const ROUNDS_MORE: u32 = 5;
 
 /// What the frames of moving points have in common when they are solved together with later ones.
 #[derive(Clone, Debug)]
-#[allow(clippy::exhaustive_structs, reason = "the three parts of such a solve")]
 pub struct Tracks {
     /// The array with its board, the air and the signature. A board that can play any phase gets 256.
     pub model: Model,
@@ -45,7 +44,6 @@ pub struct Tracks {
 
 /// T frames of M points.
 #[derive(Clone, Copy, Debug)]
-#[allow(clippy::exhaustive_structs, reason = "two lists and their lengths, checked where they are used")]
 pub struct Table<'a> {
     /// Points (T, M) in m.
     pub points: &'a [[f64; 3]],

@@ -67,7 +67,6 @@ pub(crate) fn nearest_code(q: Complex32, levels: usize) -> u16 {
 
 /// The bounds of tracks at the first and the last frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(clippy::exhaustive_enums, reason = "a sequence has no more ends")]
 pub enum Ends {
     /// Neither the first frame nor the last is bound.
     Open,

@@ -8,7 +8,6 @@ use crate::solvers::remark::{KINDS, Remark};
 
 /// The results of [`crate::Session::solve_batch`] besides the drives, for B problems of M points.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "a binding stores the lists and makes the batch from them")]
 pub struct Batch {
     /// Complex pressures (B, M) in Pa (peak).
     pub pressures: Vec<Complex32>,

@@ -7,7 +7,6 @@ use crate::session::{Session, SolveRequest};
 
 /// Moving points: T frames of M points.
 #[derive(Clone, Copy, Debug, Default)]
-#[allow(clippy::exhaustive_structs, reason = "lists and their lengths, checked where they are used")]
 pub struct Frames<'a> {
     /// Points (T + 2 margin, M, 3) in m.
     pub points: &'a [[f64; 3]],

@@ -53,7 +53,6 @@ const STRETCH: usize = 1 << 17;
 /// }
 /// # Ok::<(), midair::Error>(())
 /// ```
-#[allow(missing_debug_implementations, reason = "a solver of a user's own need not have one")]
 pub struct Session {
     task: Task,
     workers: Vec<Worker>,

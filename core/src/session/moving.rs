@@ -87,7 +87,6 @@ pub struct Moving {
 
 /// Frames of points before their targets are known in Pa.
 #[derive(Clone, Debug, Default)]
-#[allow(clippy::exhaustive_structs, reason = "what a caller has: frames of a path, or its own")]
 pub struct Trajectory {
     /// Points (T, M) in m.
     pub points: Vec<[f64; 3]>,
@@ -116,7 +115,6 @@ impl Trajectory {
 
 /// How fast frames follow one another, and phases may change.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "the keys of a motion in a scene file")]
 pub struct Pace {
     /// Frames per second.
     pub rate: f64,
@@ -496,7 +494,6 @@ impl Moving {
 
 /// The largest acceleration of a bead in the trap of a point.
 #[derive(Clone, Copy, Debug)]
-#[allow(clippy::exhaustive_structs, reason = "a place in a motion, and how a bead moves there")]
 pub struct Pull {
     /// The number of the point.
     pub point: usize,

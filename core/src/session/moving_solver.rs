@@ -12,7 +12,6 @@ use crate::session::moving::look;
 use crate::session::{Moving, Session};
 
 /// Solves the frames of a motion block after block.
-#[allow(missing_debug_implementations, reason = "a solver of a user's own need not have one")]
 pub struct MovingSolver {
     /// The frames.
     moving: Arc<Moving>,
@@ -31,7 +30,6 @@ enum Method {
 
 /// What was found for some frames.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "a board plays phases or drives")]
 pub enum Played {
     /// Drives (frames, N).
     Drives(Vec<Complex32>),

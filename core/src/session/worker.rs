@@ -18,7 +18,6 @@ use crate::workspace::Workspace;
 
 /// One request to a session.
 #[derive(Clone, Debug, Default)]
-#[allow(clippy::exhaustive_structs, reason = "a session's request, in one piece")]
 pub struct SolveRequest {
     /// Points (M, 3) in m; empty for a user's own propagation matrix G.
     pub points: Vec<[f64; 3]>,

@@ -6,7 +6,6 @@ use crate::scene::words;
 
 /// The rule that limits a drive that may exceed |q| = 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(clippy::exhaustive_enums, reason = "the three ways that the field uses")]
 pub enum AmplitudeLimit {
     /// Every |q| above 1 becomes 1; other drives stay.
     Clamp,

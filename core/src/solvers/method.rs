@@ -92,7 +92,6 @@ pub trait Solve {
 
 /// A method's entry in the registry, besides its options.
 #[derive(Clone, Copy, Debug)]
-#[allow(clippy::exhaustive_structs, reason = "a plain list of what is known; Info::new gives the usual values")]
 pub struct Info {
     /// The name of the method.
     pub name: &'static str,

@@ -72,7 +72,6 @@ macro_rules! options {
     ) => {
         $(#[$meta])*
         #[derive(Clone, Debug, PartialEq)]
-        #[allow(clippy::exhaustive_structs, reason = "a solver is a plain value of its options")]
         pub struct $name {
             $( $(#[doc = $doc])+ pub $field: $type, )*
         }

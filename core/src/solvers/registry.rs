@@ -57,7 +57,6 @@ pub struct Entry {
 }
 
 /// A solver with the values of all its options.
-#[allow(missing_debug_implementations, reason = "a solver of a user's own need not have one")]
 pub struct Configured {
     /// The method's entry in the registry.
     pub info: &'static Info,

@@ -18,7 +18,6 @@ use crate::solvers::registry::SOLVERS;
 
 /// A warning about a solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "the eight ways in which an answer differs from the request")]
 pub enum Remark {
     /// An impossible request.
     Beyond(Beyond),

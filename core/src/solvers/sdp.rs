@@ -27,7 +27,6 @@ use crate::workspace::Workspace;
 
 /// The moduli of the relaxation's eigenvector that the solution uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(clippy::exhaustive_enums, reason = "as they are, or 1")]
 pub enum Moduli {
     /// The eigenvector's own moduli, as in the paper. Points with a small modulus are lost.
     Raw,

@@ -17,7 +17,6 @@ pub const REACH: f64 = 2e-3;
 /// memory and are accurate to some 3 dB. Those of the fast channel are from Verrillo 1963 (J. Acoust. Soc. Am. 35,
 /// 1962), those of the slow channel from Bolanowski et al. 1988 (84, 1680).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(clippy::exhaustive_enums, reason = "the model has two")]
 pub enum Channel {
     /// Non-Pacinian I channel: senses differences of displacement over [`REACH`].
     Slow,

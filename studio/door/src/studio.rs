@@ -11,7 +11,6 @@ use crate::opened::Opened;
 
 /// One scene, its session and the buffers.
 #[derive(Default)]
-#[allow(missing_debug_implementations, reason = "a session has none")]
 pub struct Studio {
     pub(crate) text_in: Vec<u8>,
     pub(crate) numbers_in: Vec<f64>,

@@ -2,8 +2,6 @@
 //!
 //! Numbers are stored in groups of eight; an instruction set processes all eight at once, or one after the other.
 
-#![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
-
 use core::ops::{Add, Mul, Sub};
 
 use crate::kernels::simd::fours::Fours;

@@ -27,7 +27,6 @@ pub trait Energy: Send + Sync {
 
 /// Targets and weights of the M points whose weight is above 0.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "handed to energies, made only here")]
 pub struct ActiveRequest {
     /// Targets (M,) in Pa.
     pub targets: Vec<f64>,

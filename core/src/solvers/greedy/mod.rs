@@ -40,7 +40,6 @@ pub enum Objective {
 
 /// The order in which the transducers are updated.
 #[derive(Clone, Debug, PartialEq, Eq)]
-#[allow(clippy::exhaustive_enums, reason = "the orders the paper compares, and the caller's own")]
 pub enum Order {
     /// A random permutation from the seed.
     Random,
