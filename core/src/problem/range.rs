@@ -1,4 +1,4 @@
-//! Range: rescales rows of the propagation matrix G that are too weak or too strong for f32, and excessive targets.
+//! Range: brings rows of the propagation matrix G that are too weak or too strong into that of f32, and lowers targets far beyond reach.
 //!
 //! These rows and their targets are multiplied by a power of two, which changes no digit, so the drive that meets the targets
 //! stays the same. In the sum of squared errors their terms then have a size similar to those of other points, and are not lost

@@ -76,9 +76,10 @@ def calibration_drives(
     return drives
 
 
-#: A transducer is reported as dead if its probability of being dead exceeds DEAD. It is also reported if it
-#: is more probably dead than alive, and its gain is SURELY standard deviations below QUIET times the median.
-DEAD, QUIET, SURELY = 0.99, 0.5, 4
+#: A transducer is reported as dead if its probability of being dead exceeds DEAD_CHANCE. It is also reported
+#: if it is more probably dead than alive, and its gain is SURELY standard deviations below QUIET times the
+#: median.
+DEAD_CHANCE, QUIET, SURELY = 0.99, 0.5, 4
 #: A transducer whose phase is off by more than this, in rad, counts as connected with reversed polarity.
 REVERSED = np.radians(115)
 #: Readings that differ from the model by more than this factor are probably not in Pa.
@@ -290,7 +291,7 @@ def _result(
         )
     gain, error = np.abs(response), found.responses_error * scale
     quiet = (found.chances[1] > 0.5) & (gain + SURELY * error < QUIET * np.median(gain[sounding]))
-    dead = np.flatnonzero(sounding & (quiet | (found.chances[1] > DEAD)))
+    dead = np.flatnonzero(sounding & (quiet | (found.chances[1] > DEAD_CHANCE)))
     off = np.abs(np.angle(response * np.conj(model.phases)))
     # With few readings the estimates are uncertain by more than their prior says.
     turned = (off > REVERSED) & (found.chances[2] > 0.5) & (found.prior_share < 0.5)

@@ -23,8 +23,8 @@ PLENTY, LEAST = 4.0, 2.2
 #: Time in s until the sound is steady after a new frame, and time in s of a reading.
 SETTLE, LISTEN = 5e-3, 10e-3
 #: A transducer is weak if its gain, relative to the board's usual gain, is below WEAK, and below 1 by SURELY
-#: standard deviations. It is dead below DEAD.
-WEAK, DEAD, SURELY = 0.75, 0.15, 4.0
+#: standard deviations. It is dead below DEAD_GAIN.
+WEAK, DEAD_GAIN, SURELY = 0.75, 0.15, 4.0
 #: Phase errors in degrees above which a transducer is faulty, and above which it is reversed.
 ODD, REVERSED = 50.0, 130.0
 #: Least errors that are reported: a board's delay in degrees, a level (relative), the sound speed in m/s.
@@ -236,9 +236,9 @@ def _transducers(found: Diagnosis, judged: NDArray[np.bool_], gone: NDArray[np.b
     faults = []
     gain, degrees = np.abs(found.relative), np.degrees(np.angle(found.relative))
     usual = np.sqrt(found.spread**2 + found.error**2)
-    for i in np.flatnonzero(judged & (gone | (gain < DEAD))).tolist():
+    for i in np.flatnonzero(judged & (gone | (gain < DEAD_GAIN))).tolist():
         faults.append(Fault("dead", (i,), 0.0, f"transducer {i} is silent"))
-    alive = judged & ~gone & (gain >= DEAD)
+    alive = judged & ~gone & (gain >= DEAD_GAIN)
     for i in np.flatnonzero(alive & (gain < np.minimum(WEAK, 1 - SURELY * usual))).tolist():
         faults.append(
             Fault("weak", (i,), float(gain[i]), f"transducer {i} has {gain[i]:.2f} of the usual gain")

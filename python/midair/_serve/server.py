@@ -178,7 +178,7 @@ class PointServer(AbstractContextManager["PointServer"]):
         await client.close(code, reason)
 
     def _hear(self) -> None:
-        """Take an OSC datagram. One that is damaged, or does not contain the token, is dropped."""
+        """Take an OSC datagram; a damaged one, one without the token and one too many is dropped."""
         # Windows raises an OSError here if an earlier answer found no reader.
         with suppress(OSError, SceneError):
             content, sender = self._udp.recvfrom(MOST_BYTES)
