@@ -21,7 +21,6 @@ pub struct Progress<'a> {
 
 impl Progress<'_> {
     /// The residual so far (see [`crate::Metrics`]). It is computed when this function is called.
-    #[must_use]
     pub fn residual(&self) -> f64 {
         (self.residual)()
     }
@@ -108,7 +107,6 @@ impl Default for Control<'_> {
 
 impl<'a> Control<'a> {
     /// Returns a control without an observer.
-    #[must_use]
     pub fn none() -> Self {
         Self::default()
     }
@@ -140,7 +138,6 @@ impl<'a> Control<'a> {
     }
 
     /// The stored residuals, one for each step; `None` without [`Control::traced`].
-    #[must_use]
     pub fn into_trace(self) -> Option<Vec<f64>> {
         self.trace
     }

@@ -63,13 +63,11 @@ codes! {
 
 impl ErrorCode {
     /// The code as text: `too-near`.
-    #[must_use]
     pub fn name(self) -> &'static str {
         Self::ALL[self as usize].1
     }
 
     /// The code of a text; `None` for an unknown one.
-    #[must_use]
     pub fn of(name: &str) -> Option<Self> {
         Self::ALL.iter().find(|(_, text, _)| *text == name).map(|(code, ..)| *code)
     }
@@ -211,7 +209,6 @@ errors! {
 
 impl Error {
     /// Returns an error of these parts.
-    #[must_use]
     pub fn of(notice: Notice) -> Self {
         Self(notice.into())
     }
@@ -227,7 +224,6 @@ impl Error {
     }
 
     /// The error for a stop by the caller before there was a result.
-    #[must_use]
     pub fn stopped() -> Self {
         Self::new(ErrorCode::Stopped, "", "stopped before there was an answer", "")
     }
@@ -265,7 +261,6 @@ impl Error {
     }
 
     /// Returns whether the caller requested a stop.
-    #[must_use]
     pub fn is_stop(&self) -> bool {
         self.code == ErrorCode::Stopped
     }
@@ -323,7 +318,6 @@ fn letters(name: &str) -> impl Iterator<Item = char> {
 }
 
 /// Whether two names are the same except for case, "-" and "_".
-#[must_use]
 pub fn same_name(a: &str, b: &str) -> bool {
     letters(a).eq(letters(b))
 }

@@ -19,7 +19,6 @@ pub struct Rng(u64);
 
 impl Rng {
     /// Returns a generator that depends only on `seed`.
-    #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
@@ -51,7 +50,6 @@ impl Rng {
     }
 
     /// Returns the numbers `0..count` in random order.
-    #[must_use]
     pub fn permutation(&mut self, count: u32) -> alloc::vec::Vec<u32> {
         let mut order: alloc::vec::Vec<u32> = (0..count).collect();
         self.shuffle(&mut order);

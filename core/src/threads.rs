@@ -21,7 +21,6 @@ pub struct Threads {
 impl Threads {
     /// Uses the threads of this pool.
     #[cfg(feature = "parallel")]
-    #[must_use]
     pub fn of(pool: Arc<rayon::ThreadPool>) -> Self {
         Self { pool: Some(pool), most: None }
     }

@@ -81,7 +81,6 @@ pub struct Buffer<'w, T> {
 
 impl<T> Buffer<'_, T> {
     /// Takes the list out of the buffer; [`Pool::give`] returns it.
-    #[must_use]
     pub fn into_vec(mut self) -> Vec<T> {
         mem::take(&mut self.list)
     }
@@ -177,13 +176,11 @@ pub struct Workspace {
 
 impl Workspace {
     /// Returns an empty workspace.
-    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
     /// The bytes of unused memory, ready for the next solve.
-    #[must_use]
     pub fn bytes(&self) -> usize {
         let Self { floats, doubles, complexes, indices, points, .. } = self;
         floats.bytes() + doubles.bytes() + complexes.bytes() + indices.bytes() + points.bytes()

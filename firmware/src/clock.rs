@@ -13,7 +13,6 @@ impl Clock {
     pub const PARTS: u32 = 1 << 8;
 
     /// Starts the clock.
-    #[must_use]
     pub fn new(mut register: SYST) -> Self {
         register.set_clock_source(SystClkSource::Core);
         register.set_reload(TOP);
@@ -23,7 +22,6 @@ impl Clock {
     }
 
     /// Returns the time in 1/256 of a tick. So the 24 bits of the counter become 32 bits, and the time overflows as a u32 does.
-    #[must_use]
     pub fn now(&self) -> u32 {
         let _ = &self.0;
         (TOP - SYST::get_current()) * Self::PARTS

@@ -45,13 +45,11 @@ pub fn begin() {
 }
 
 /// Returns the number of allocations.
-#[must_use]
 pub fn allocations() -> usize {
     HEAP.calls.load(Ordering::Relaxed)
 }
 
 /// Returns the largest number of bytes that were in use.
-#[must_use]
 pub fn most() -> usize {
     HEAP.most.load(Ordering::Relaxed)
 }

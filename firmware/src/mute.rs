@@ -14,7 +14,6 @@ pub struct Mute {
 
 impl Mute {
     /// Returns a timer for a silent board, which may play for `patience` ticks, fewer than 2^31, without a message.
-    #[must_use]
     pub const fn new(patience: u32) -> Self {
         Self { patience, received: 0, silent: true }
     }

@@ -110,7 +110,6 @@ impl<S: Solve> Player<S> {
     }
 
     /// Returns the drive of the frame.
-    #[must_use]
     pub fn drive(&self) -> &[Complex32] {
         self.solution.as_ref().map_or(&[], |solution| &solution.drive)
     }
@@ -130,7 +129,6 @@ impl<S: Solve> Player<S> {
     }
 
     /// Returns the bytes that silence the board in any state.
-    #[must_use]
     pub fn silence(&self) -> Vec<u8> {
         self.board.silence()
     }

@@ -8,7 +8,6 @@ unsafe extern "C" {
 }
 
 /// Returns the largest number of bytes that were in use.
-#[must_use]
 pub fn most() -> usize {
     let (end, start) = (&raw const _stack_end, &raw const _stack_start);
     let mut at = end;

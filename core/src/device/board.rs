@@ -170,25 +170,21 @@ impl Board {
     }
 
     /// The name of the kind of board.
-    #[must_use]
     pub fn name(&self) -> &'static str {
         self.format.name
     }
 
     /// The description of the kind of board in one line.
-    #[must_use]
     pub fn summary(&self) -> &'static str {
         self.format.summary
     }
 
     /// The publication or source code that defines the bytes.
-    #[must_use]
     pub fn source(&self) -> &'static str {
         self.format.source
     }
 
     /// The number of transducers N.
-    #[must_use]
     #[allow(clippy::len_without_is_empty, reason = "a board is never empty")]
     pub fn len(&self) -> usize {
         self.wiring.as_ref().map_or(self.live.len(), |wiring| wiring.of().len())
@@ -201,64 +197,54 @@ impl Board {
     }
 
     /// The number of boards.
-    #[must_use]
     pub fn boards(&self) -> usize {
         self.boards
     }
 
     /// The number of lines: one for all boards, or one for each board. A frame consists of one part for each line, all of the
     /// same length.
-    #[must_use]
     pub fn lines(&self) -> usize {
         if let Link::Fifo { .. } = self.format.link { self.boards } else { 1 }
     }
 
     /// The most boards of this kind that can play together.
-    #[must_use]
     pub fn most_boards(&self) -> usize {
         self.format.most_boards
     }
 
     /// The number of channels of all boards.
-    #[must_use]
     pub fn channel_count(&self) -> usize {
         self.driven.len()
     }
 
     /// The channel of each transducer (N,), or (C,) for an array with channels.
-    #[must_use]
     pub fn channels(&self) -> &[usize] {
         &self.channels
     }
 
     /// The number of bytes of a frame, for all lines together.
-    #[must_use]
     pub fn frame_size(&self) -> usize {
         (self.format.size)(self.boards)
     }
 
     /// The type of link over which the bytes are sent.
-    #[must_use]
     pub fn link(&self) -> Link {
         self.format.link
     }
 
     /// The ultrasound frequency in Hz.
-    #[must_use]
     pub fn frequency(&self) -> f64 {
         self.format.frequency
     }
 
     /// The response of each transducer (N,) to a drive of 1, `None` if all are 1. It describes the delays of the firmware that
     /// are not a whole number of steps; arrays made from the board's preset have it. Whole steps are corrected in the bytes.
-    #[must_use]
     pub fn response(&self) -> Option<Vec<Complex64>> {
         let response = self.format.response(self.channels.iter().copied())?;
         Some(self.wiring.as_ref().map_or_else(|| response.clone(), |wiring| wiring.spread(&response)))
     }
 
     /// Bits per second on a serial line; `None` for other links.
-    #[must_use]
     pub fn baud(&self) -> Option<u32> {
         match self.format.link {
             Link::Serial { baud, .. } => Some(baud),
@@ -267,7 +253,6 @@ impl Board {
     }
 
     /// The most frames per second that the link can transmit; on a serial line, a byte takes ten bits.
-    #[must_use]
     pub fn rate(&self) -> f64 {
         match self.format.link {
             Link::Serial { baud, .. } => f64::from(baud) / (10 * self.frame_size()) as f64,
@@ -276,7 +261,6 @@ impl Board {
     }
 
     /// The most frames per second during which the emitted sound is not disturbed, at most [`Board::rate`].
-    #[must_use]
     pub fn steady_rate(&self) -> f64 {
         self.rate().min(self.format.steady / self.boards as f64)
     }
@@ -338,7 +322,6 @@ impl Board {
     }
 
     /// The frame that switches all channels off.
-    #[must_use]
     pub fn off_frame(&self) -> Vec<u8> {
         let mut frame = vec![0; self.frame_size()];
         (self.format.encode)(self.boards, &|_| Code::default(), &mut frame);
@@ -346,7 +329,6 @@ impl Board {
     }
 
     /// Returns bytes that switch the boards off from any state. If a board has two banks, both banks are then off.
-    #[must_use]
     pub fn silence(&self) -> Vec<u8> {
         (self.format.silence)(self.boards, &self.off_frame())
     }

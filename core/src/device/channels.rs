@@ -56,13 +56,11 @@ impl Channels {
     }
 
     /// The channel of each transducer (N,).
-    #[must_use]
     pub fn of(&self) -> &[usize] {
         &self.of
     }
 
     /// The number of channels C.
-    #[must_use]
     pub fn count(&self) -> usize {
         self.first.len()
     }

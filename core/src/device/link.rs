@@ -29,7 +29,6 @@ pub enum Link {
 
 impl Link {
     /// The name of the link: "serial", "fifo" or "udp".
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Serial { .. } => "serial",
@@ -39,31 +38,26 @@ impl Link {
     }
 
     /// The byte that exchanges the two banks of a board; `None` if it has no banks.
-    #[must_use]
     pub fn swap(self) -> Option<u8> {
         if let Self::Serial { swap, .. } = self { swap } else { None }
     }
 
     /// Whether opening the port may restart the board.
-    #[must_use]
     pub fn restarts(self) -> bool {
         matches!(self, Self::Serial { restarts: true, .. })
     }
 
     /// Whether two boards may use the two FIFOs of one chip.
-    #[must_use]
     pub fn one_chip(self) -> bool {
         matches!(self, Self::Fifo { one_chip: true, .. })
     }
 
     /// Whether amplitudes can be modulated. Over a serial line this is done by exchanging two banks, one of which is off.
-    #[must_use]
     pub fn modulates(self) -> bool {
         self.swap().is_some() || self.holds_sequence()
     }
 
     /// Whether the board can store a sequence and play it by itself.
-    #[must_use]
     pub fn holds_sequence(self) -> bool {
         matches!(self, Self::Udp { .. })
     }

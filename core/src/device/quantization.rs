@@ -121,7 +121,6 @@ impl Quantization {
     }
 
     /// The lengths of the ticks of a period, for a board that makes pulses of whole ticks; else `None`.
-    #[must_use]
     pub fn ticks(&self) -> Option<&[f64]> {
         self.pulses.as_ref().map(|pulses| &pulses.0[..])
     }
@@ -136,13 +135,11 @@ impl Quantization {
     }
 
     /// The number of phases L; `None` if the phase is continuous.
-    #[must_use]
     pub fn phases(&self) -> Option<u32> {
         self.grid.phases.as_ref().map(|phases| phases.count() as u32)
     }
 
     /// The amplitudes in ascending order, the last is 1; `None` if the amplitude is continuous.
-    #[must_use]
     pub fn amplitudes(&self) -> Option<&[f64]> {
         self.amplitudes.as_deref()
     }
@@ -154,7 +151,6 @@ impl Quantization {
     }
 
     /// Whether the device can play every drive.
-    #[must_use]
     pub fn is_continuous(&self) -> bool {
         self.grid.phases.is_none() && self.amplitudes.is_none()
     }
@@ -162,7 +158,6 @@ impl Quantization {
     /// Returns the drive with the nearest phase and the nearest amplitude. If two are equally near, it has the later phase and
     /// the larger amplitude. For ticks of different lengths it is the nearest pulse. 0 (dead, masked, not driven) stays 0.
     /// Phases are distinguished to 3e-8 turns.
-    #[must_use]
     pub fn nearest(&self, drive: Complex32) -> Complex32 {
         if let Some(pulses) = self.uneven() {
             return pulses.rounded(drive);

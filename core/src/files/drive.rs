@@ -24,7 +24,6 @@ const COLUMNS: Columns<'_> = Columns {
 /// let text = files::write_drive(Some(&[[0.0, 1e-5, 0.2]]), &[Complex32::new(0.0, -1.0)]);
 /// assert_eq!(text, "index,x,y,z,amplitude,phase\n0,0.0,1e-05,0.2,1.0,4.71238898038469\n");
 /// ```
-#[must_use]
 pub fn write_drive(positions: Option<&[[f64; 3]]>, drive: &[Complex32]) -> String {
     let places = if positions.is_some() { ",x,y,z" } else { "" };
     let mut text = format!("index{places},amplitude,phase\n");

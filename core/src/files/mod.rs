@@ -172,7 +172,6 @@ pub fn read_sweep(bytes: &[u8], format: Format, source: Source<'_>) -> Result<No
 
 /// Adds the name and place in a document to an error about a value, such as `points.z is -1: give more`. Returns `None` if the
 /// document has no such value.
-#[must_use]
 pub fn placed(bytes: &[u8], format: Format, source: Source<'_>, error: &Error) -> Option<Error> {
     let (text, _) = parse(bytes, format, source).ok()?;
     let at = place::whole(text, format, &error.item)?;

@@ -56,7 +56,6 @@ impl Motion {
 
     /// Returns an error about a key of `[motion]`, such as `rate`, with its place in the document; `None` for an error about
     /// anything else.
-    #[must_use]
     pub fn placed(&self, error: &Error) -> Option<Error> {
         let Document { text, format, .. } = &self.document;
         place::whole(text, *format, &format!("motion.{}", error.item)).map(|_| self.located(error.clone()))

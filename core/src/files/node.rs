@@ -55,7 +55,6 @@ impl Node {
     }
 
     /// Returns a list, in the compact form if it contains only numbers and not all are whole.
-    #[must_use]
     pub fn list(items: Vec<Self>) -> Self {
         let short = items.iter().any(|item| matches!(item, Self::Real(_)));
         let numbers = short.then(|| items.iter().map(Self::real).collect()).flatten();

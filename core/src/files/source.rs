@@ -21,20 +21,17 @@ pub enum Format {
 
 impl Format {
     /// Returns the format for a file name: `.json` is JSON, any other ending is TOML.
-    #[must_use]
     pub fn of(name: &str) -> Self {
         if name.to_ascii_lowercase().ends_with(".json") { Self::Json } else { Self::Toml }
     }
 
     /// Returns the format of a document: by its name if that ends in `.json` or `.toml`, else by its text.
-    #[must_use]
     pub fn of_document(name: &str, bytes: &[u8]) -> Self {
         let reported = [".json", ".toml"].iter().any(|ending| name.to_ascii_lowercase().ends_with(ending));
         if reported { Self::of(name) } else { Self::of_text(bytes) }
     }
 
     /// Returns the format of a text: JSON if it begins with a brace, which TOML never does.
-    #[must_use]
     pub fn of_text(bytes: &[u8]) -> Self {
         let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
         if text.trim_ascii_start().starts_with(b"{") { Self::Json } else { Self::Toml }

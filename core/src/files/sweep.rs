@@ -48,7 +48,6 @@ const POINTS: &[Key] = key_list! {
 };
 
 /// The tables of a sweep file with other keys than a scene file, by path, and their keys.
-#[must_use]
 pub fn sweep_tables() -> [(&'static str, &'static [Key]); 2] {
     [("", FILE), ("points", POINTS)]
 }

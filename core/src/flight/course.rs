@@ -143,26 +143,22 @@ impl Course {
     }
 
     /// Returns the number of knots of one lap, or of all frames of an open sequence.
-    #[must_use]
     pub fn lap(&self) -> usize {
         self.drives.len() / self.transducers
     }
 
     /// Returns the time in s between two knots.
-    #[must_use]
     pub fn spacing(&self) -> f64 {
         self.every as f64 / (self.envelope.rate * self.parts as f64)
     }
 
     /// Returns the time in s of a knot, which may be fractional. The first knot is in the middle of the first part of the
     /// first frame.
-    #[must_use]
     pub fn time(&self, knot: f64) -> f64 {
         0.5 / (self.envelope.rate * self.parts as f64) + self.spacing() * knot
     }
 
     /// Returns the times (K,) in s of the first `knots` knots.
-    #[must_use]
     pub fn times(&self, knots: usize) -> Vec<f64> {
         (0..knots).map(|knot| self.time(knot as f64)).collect()
     }
@@ -194,7 +190,6 @@ impl Course {
     }
 
     /// Returns the place of a point at a time in s, linear between frames.
-    #[must_use]
     pub fn place(&self, time: f64, point: usize) -> [f64; 3] {
         let count = self.frames.len() / self.points;
         let way = time * self.envelope.rate;
@@ -210,7 +205,6 @@ impl Course {
     }
 
     /// Returns the places (K, B, 3) of some points (B,) at the first `knots` knots.
-    #[must_use]
     pub fn ways(&self, knots: usize, points: &[usize]) -> Vec<[f64; 3]> {
         let lap = knots.min(self.lap());
         let knot = |k: usize| points.iter().map(move |&point| self.place(self.time(k as f64), point));
@@ -221,7 +215,6 @@ impl Course {
 
     /// Returns the velocity in m/s and the acceleration in m/s^2 of a point at the start of a closed sequence; 0 for an
     /// open one.
-    #[must_use]
     pub fn moving(&self, point: usize) -> [[f64; 3]; 2] {
         if self.closed { self.motion(point, -self.envelope.tau, self.spacing().max(LONGEST)) } else { [[0.0; 3]; 2] }
     }

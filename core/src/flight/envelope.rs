@@ -34,7 +34,6 @@ struct Course {
 
 impl Envelope {
     /// Returns how many of the last frames of a lap of `frames` frames affect the radiation after the lap.
-    #[must_use]
     pub fn memory(&self, frames: usize) -> usize {
         frames.min((math::ceil(FORGOTTEN * self.tau * self.rate) as usize).saturating_add(1))
     }
@@ -42,7 +41,6 @@ impl Envelope {
     /// Returns y (N,) at the start of a sequence that repeats, from the drives (L, N) of its last [`Envelope::memory`] frames
     /// and the `first` drive. In the steady state y = y0 + y e^(-T/tau), where y0 is y after L frames from silence and T
     /// their duration.
-    #[must_use]
     pub fn repeated(&self, last: &[Complex32], first: &[Complex32]) -> Vec<Complex64> {
         let count = first.len();
         let mut state = vec![Complex64::ZERO; count];

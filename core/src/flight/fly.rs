@@ -66,7 +66,6 @@ pub struct Flown {
 
 impl Flown {
     /// Returns the largest distance (B,) in m of each bead from its point until it is lost.
-    #[must_use]
     pub fn farthest(&self) -> Vec<f64> {
         let mut farthest = vec![0.0_f64; self.lost.len()];
         for row in self.places.chunks(farthest.len()).zip(self.points.chunks(farthest.len())) {

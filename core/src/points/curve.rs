@@ -146,19 +146,16 @@ impl Curve {
     }
 
     /// Returns the length in m.
-    #[must_use]
     pub fn length(&self) -> f64 {
         self.length
     }
 
     /// Returns whether the curve is closed.
-    #[must_use]
     pub fn closed(&self) -> bool {
         self.closed
     }
 
     /// Returns the place at a distance in m from the start. Lines stop at their end; a circle goes on.
-    #[must_use]
     pub fn after(&self, way: f64) -> [f64; 3] {
         match &self.course {
             Course::Lines(lines) => lines.after(way),

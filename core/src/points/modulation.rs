@@ -66,19 +66,16 @@ impl Modulation {
     }
 
     /// The frequency in Hz.
-    #[must_use]
     pub fn frequency(&self) -> f64 {
         self.frequency
     }
 
     /// The highest frequency that frames must be able to represent, in Hz.
-    #[must_use]
     pub fn finest(&self) -> f64 {
         self.finest
     }
 
     /// Returns the factor after a number of periods since the start.
-    #[must_use]
     pub fn factor(&self, periods: f64) -> f64 {
         let s = match &self.wave {
             Wave::Shape(shape) => shape(periods),

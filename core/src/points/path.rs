@@ -207,32 +207,27 @@ impl Path {
     }
 
     /// The number of points M.
-    #[must_use]
     pub fn points(&self) -> usize {
         self.points
     }
 
     /// The duration in s.
-    #[must_use]
     pub fn duration(&self) -> f64 {
         self.duration
     }
 
     /// Whether the end joins the start, so that the path can repeat.
-    #[must_use]
     pub fn closed(&self) -> bool {
         self.closed
     }
 
     /// Whether targets are in Pa; otherwise they are factors.
-    #[must_use]
     pub fn pascals(&self) -> bool {
         self.pascals
     }
 
     /// Returns a point at a time in s. A closed path repeats, an open one rests before and after; at a corner the speed is
     /// that after it.
-    #[must_use]
     pub fn at(&self, time: f64, point: usize) -> Moment {
         let rest = time % self.duration;
         let time = match self.closed {

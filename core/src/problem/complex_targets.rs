@@ -6,7 +6,6 @@ use crate::problem::array_request::ArrayRequest;
 
 impl Problem {
     /// The phases in rad of the targets at the points of weight above 0; `None` if they are free.
-    #[must_use]
     pub fn target_phases(&self) -> Option<impl Iterator<Item = f64> + '_> {
         let ArrayRequest { phases, active, .. } = &*self.targets;
         self.targets.phased().then(|| active.iter().map(|&j| phases[j]))
@@ -21,7 +20,6 @@ impl Problem {
 
     /// The complex targets in Pa at the points of weight above 0, at the balanced level if that was requested; `None` if their
     /// phases are free.
-    #[must_use]
     pub fn complex_targets_in_pascals(&self) -> Option<impl Iterator<Item = Complex64> + '_> {
         let phases = self.target_phases()?;
         Some(self.active_targets_in_pascals().zip(phases).map(|(target, phase)| target * math::phasor(phase)))

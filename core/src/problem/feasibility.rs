@@ -52,7 +52,6 @@ impl fmt::Display for Beyond {
 
 impl Beyond {
     /// Returns the parts of the warning.
-    #[must_use]
     pub fn notice(&self) -> Notice {
         match self {
             Self::Alone { point, target, alone } => {
@@ -120,7 +119,6 @@ impl Problem {
 
     /// Returns the first target that exceeds the pressure of all transducers at its point, for [`Aim::Target`]. It is already
     /// known when the problem is made.
-    #[must_use]
     pub fn beyond_alone(&self) -> Option<Beyond> {
         let (point, alone) = self.targets.overasked.filter(|_| self.aim() == Aim::Target)?;
         Some(Beyond::Alone { point, target: self.targets_in_pascals()[point], alone })
@@ -128,7 +126,6 @@ impl Problem {
 
     /// Whether [`Problem::beyond`] must compute a bound, because the targets are so high that the points together may not reach
     /// them.
-    #[must_use]
     pub fn is_doubtful(&self) -> bool {
         self.aim() == Aim::Target && self.balance() < EVERYDAY
     }

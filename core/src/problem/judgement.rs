@@ -78,7 +78,6 @@ impl Problem {
     }
 
     /// Returns the residual of a field against this problem's targets. `moduli` are |p| in units of the reference.
-    #[must_use]
     pub fn residual(&self, moduli: &[f32]) -> f64 {
         self.residual_of(moduli.iter().map(|&modulus| f64::from(modulus)))
     }

@@ -37,13 +37,11 @@ macro_rules! define {
             pub const NAMES: [&'static str; 6] = [$(stringify!($name)),*];
 
             /// The values, in the order of the names.
-            #[must_use]
             pub fn values(self) -> [f64; 6] {
                 [$(self.$name),*]
             }
 
             /// Returns metrics with these values, in the order of the names.
-            #[must_use]
             pub fn from_values([$($name),*]: [f64; 6]) -> Self {
                 Self { $($name),* }
             }
@@ -64,7 +62,6 @@ metrics!(define);
 /// ```
 impl Metrics {
     /// Returns the metrics of some points.
-    #[must_use]
     pub fn of(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Self {
         let targeted = points.clone().filter(|&(_, target, weight)| target > 0.0 && weight > 0.0);
         let largest = targeted.clone().fold(0.0, |most: f64, (_, target, _)| most.max(target));

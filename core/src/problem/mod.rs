@@ -253,7 +253,6 @@ impl Problem {
 
     /// The aim: by default the targets if pressures were given, else the highest level of the array. It is the highest level
     /// if traps have a pressure of 0 beside foci.
-    #[must_use]
     pub fn aim(&self) -> Aim {
         if self.targets.frees_traps() {
             return Aim::Max;
@@ -277,7 +276,6 @@ impl Problem {
     }
 
     /// The drive to start from, one value for each column of the propagation matrix G; `None` if none was given.
-    #[must_use]
     pub fn start_drive(&self) -> Option<&[Complex32]> {
         match self.start.as_deref() {
             Some(Start::Drive(drive)) => Some(drive),
@@ -286,7 +284,6 @@ impl Problem {
     }
 
     /// The phases in rad to start from, at the points of weight above 0; `None` if none were given.
-    #[must_use]
     pub fn start_phases(&self) -> Option<impl Iterator<Item = f64> + '_> {
         match self.start.as_deref() {
             Some(Start::Phases(phases)) => Some(self.targets.active.iter().map(|&j| phases[j])),
@@ -305,7 +302,6 @@ impl Problem {
     }
 
     /// The propagation matrix G at the points of weight above 0.
-    #[must_use]
     pub fn propagation(&self) -> &Propagation {
         self.selected.as_ref().unwrap_or(&self.targets.propagation)
     }
@@ -317,13 +313,11 @@ impl Problem {
 
     /// The propagation matrix G at the points of weight above 0, before any row was multiplied by a power of two for the range
     /// of f32.
-    #[must_use]
     pub fn plain_propagation(&self) -> &Propagation {
         self.plain.as_ref().unwrap_or_else(|| self.propagation())
     }
 
     /// Targets |p_j| of the points of weight above 0, in units of the reference, padded with zeros.
-    #[must_use]
     pub fn targets(&self) -> &[f32] {
         &self.scaled
     }
@@ -334,38 +328,32 @@ impl Problem {
     }
 
     /// Weights of the points of weight above 0, divided by the largest, padded with zeros.
-    #[must_use]
     pub fn weights(&self) -> &[f32] {
         &self.targets.relative_weights
     }
 
     /// The setup of the array: medium, quantization, positions, channels.
-    #[must_use]
     pub fn setup(&self) -> &Setup {
         &self.targets.setup
     }
 
     /// The phases and amplitudes that the board can play; `None` for any drive.
-    #[must_use]
     pub fn quantization(&self) -> Option<&Quantization> {
         self.targets.setup.quantization.as_deref()
     }
 
     /// Targets (M,) of all points in Pa, as the caller gave them or at the balanced level.
-    #[must_use]
     pub fn targets_in_pascals(&self) -> &[f64] {
         &self.targets.pascals
     }
 
     /// Weights (M,) of all points, as the caller gave them.
-    #[must_use]
     pub fn point_weights(&self) -> &[f64] {
         &self.targets.weights
     }
 
     /// The factor s that scales the targets to the balanced level: `sum_j (s target_j / p1_j)^2 = 1` with
     /// `p1_j = sum_i |G_ji|`. It is 1 if no pressures were given.
-    #[must_use]
     pub fn balance(&self) -> f64 {
         self.targets.balance
     }
@@ -377,7 +365,6 @@ impl Problem {
 
     /// Whether every given target is below half the balanced level. Without balancing, greedy then gives all transducers the
     /// same drive, which smears such weak foci (Suzuki et al. 2021, section V).
-    #[must_use]
     pub fn is_weak(&self) -> bool {
         self.targets.given && self.targets.balance > 2.0
     }

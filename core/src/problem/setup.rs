@@ -42,13 +42,11 @@ pub struct Setup {
 
 impl Setup {
     /// Returns the setup of a model: its array in its medium, and its bead.
-    #[must_use]
     pub fn of_model(model: &Model) -> Self {
         Self { bead: model.bead(), ..Self::of(model.array(), model.medium()) }
     }
 
     /// Returns the setup of an array in a medium, with the default bead.
-    #[must_use]
     pub fn of(array: &Array, medium: Medium) -> Self {
         let (positions, quantization) = array.shared();
         let channels = array.wiring().cloned();

@@ -204,14 +204,12 @@ impl Solution {
     }
 
     /// Returns the metrics of the pressures for the caller's targets, computed in f64.
-    #[must_use]
     pub fn metrics(&self) -> Metrics {
         self.request.metrics(self.pressures.iter().map(|&p| math::modulus(p)))
     }
 
     /// The relative error of the complex pressures, sqrt(sum w |p_j - target_j|^2 / sum w |target_j|^2) over the points of
     /// weight above 0; `None` if the phases of the targets are free.
-    #[must_use]
     pub fn complex_error(&self) -> Option<f64> {
         self.request.complex_error(&self.pressures)
     }
@@ -233,7 +231,6 @@ impl Solution {
     }
 
     /// The drives (N,) times `scale`, as the transducers play them.
-    #[must_use]
     pub fn played(&self) -> Vec<Complex32> {
         self.drive.iter().map(|&q| divided(q, 1.0 / self.scale)).collect()
     }
@@ -254,13 +251,11 @@ impl Solution {
     }
 
     /// Returns the propagation matrix G, the setup of its array, and the request.
-    #[must_use]
     pub fn requested(&self) -> (&Propagation, &Setup, Request) {
         (&self.request.propagation, &self.request.setup, self.request.request())
     }
 
     /// Returns the scene of the solution, without a file's solver and plane. `None` if the user gave the propagation matrix G.
-    #[must_use]
     pub fn scene(&self) -> Option<Scene> {
         let ArrayRequest { propagation, setup, .. } = &*self.request;
         let (array, points, recipe) = propagation.origin()?;
@@ -277,7 +272,6 @@ impl Solution {
     }
 
     /// The targets (M,) in Pa that the metrics refer to.
-    #[must_use]
     pub fn targets(&self) -> &[f64] {
         &self.request.pascals
     }
@@ -286,7 +280,6 @@ impl Solution {
     ///
     /// # Panics
     /// If there is no such point.
-    #[must_use]
     pub fn radiation(&self, j: usize) -> f64 {
         self.request.setup.medium.radiation(math::modulus(self.pressures[j]))
     }
@@ -295,7 +288,6 @@ impl Solution {
     ///
     /// # Panics
     /// If there is no such transducer.
-    #[must_use]
     pub fn amplitude(&self, i: usize) -> f64 {
         math::modulus(self.drive[i]).min(1.0)
     }
@@ -304,7 +296,6 @@ impl Solution {
     ///
     /// # Panics
     /// If there is no such transducer.
-    #[must_use]
     pub fn phase(&self, i: usize) -> f64 {
         math::phase(self.drive[i])
     }

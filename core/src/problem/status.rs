@@ -23,7 +23,6 @@ impl Status {
     pub const ALL: [Self; 4] = [Self::Done, Self::OutOfSteps, Self::Stopped, Self::Missed];
 
     /// The name of the status.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Done => "done",

@@ -81,7 +81,6 @@ impl PartialEq for Propagation {
 
 impl Propagation {
     /// Returns the propagation matrix G of a scene's array at its points, without the scene's signature and obstacles.
-    #[must_use]
     pub fn of(scene: &Scene) -> Self {
         Self::at(Arc::new(Sources::new(scene.array(), scene.medium())), scene.points().into(), InstructionSet::best())
     }
@@ -130,7 +129,6 @@ impl Propagation {
     }
 
     /// The instruction set that the kernels use.
-    #[must_use]
     pub fn instruction_set(&self) -> InstructionSet {
         self.set
     }
@@ -205,7 +203,6 @@ impl Propagation {
     }
 
     /// The number of transducers N. For solvers of an array with channels it is the number of channels.
-    #[must_use]
     pub fn transducers(&self) -> usize {
         match &self.rows {
             Rows::Computed { sources, .. } => sources.transducers.len(),
@@ -214,19 +211,16 @@ impl Propagation {
     }
 
     /// The number of points M.
-    #[must_use]
     pub fn points(&self) -> usize {
         self.count
     }
 
     /// The length of a row: M rounded up to a multiple of 16.
-    #[must_use]
     pub fn lanes(&self) -> usize {
         padded(self.count)
     }
 
     /// The unit of the rows in Pa: 1000 P0, or the mean modulus of a user's own propagation matrix G.
-    #[must_use]
     pub fn reference(&self) -> f64 {
         match &self.rows {
             Rows::Computed { sources, .. } => sources.reference(),
@@ -331,7 +325,6 @@ impl Propagation {
     }
 
     /// Returns entry (j, i) of the propagation matrix in Pa, computed in double precision.
-    #[must_use]
     pub fn exact(&self, j: usize, i: usize) -> Complex64 {
         match &self.rows {
             Rows::Computed { sources, points, .. } => sources.exact(i, points[j]),

@@ -48,7 +48,6 @@ impl Model {
     }
 
     /// Returns the model of a scene. The scene has been checked already.
-    #[must_use]
     pub fn of(scene: &Scene, set: InstructionSet) -> Self {
         let sources = Arc::new(Sources::new(scene.array(), scene.medium()));
         let bead = scene.bead();
@@ -121,7 +120,6 @@ impl Model {
     }
 
     /// The obstacles that change the waves; empty without obstacles.
-    #[must_use]
     pub fn obstacles(&self) -> &[Obstacle] {
         self.scattering.as_ref().map_or(&[], |scattering| scattering.obstacles.list())
     }
@@ -149,7 +147,6 @@ impl Model {
     }
 
     /// The bead that traps are made for.
-    #[must_use]
     pub fn bead(&self) -> Bead {
         self.bead
     }
@@ -197,19 +194,16 @@ impl Model {
     }
 
     /// The array whose waves this model computes.
-    #[must_use]
     pub fn array(&self) -> &Array {
         &self.sources.array
     }
 
     /// The signature, which turns foci into traps for solvers; `None` for plain foci.
-    #[must_use]
     pub fn signature(&self) -> Option<&Signature> {
         self.signature.as_ref()
     }
 
     /// The medium in which the waves propagate.
-    #[must_use]
     pub fn medium(&self) -> Medium {
         self.sources.medium
     }

@@ -213,20 +213,17 @@ impl Array {
     }
 
     /// Number of transducers N.
-    #[must_use]
     #[allow(clippy::len_without_is_empty, reason = "an array is never empty")]
     pub fn len(&self) -> usize {
         self.positions.len()
     }
 
     /// Positions (N, 3) in m.
-    #[must_use]
     pub fn positions(&self) -> &[[f64; 3]] {
         &self.positions
     }
 
     /// Returns whether a point lies behind every transducer: in the half space that none of them looks into.
-    #[must_use]
     pub fn is_behind(&self, point: [f64; 3]) -> bool {
         self.heights(point).all(|height| height < 0.0)
     }
@@ -243,37 +240,31 @@ impl Array {
     }
 
     /// Unit normals (N, 3).
-    #[must_use]
     pub fn normals(&self) -> &[[f64; 3]] {
         &self.normals
     }
 
     /// Source pressure and directivity of every transducer.
-    #[must_use]
     pub fn transducer(&self) -> Transducer {
         self.transducer
     }
 
     /// Responses (N,), or `None` where all are 1.
-    #[must_use]
     pub fn response(&self) -> Option<&[Complex64]> {
         self.response.as_deref()
     }
 
     /// Which transducers are on (N,), or `None` where all are.
-    #[must_use]
     pub fn mask(&self) -> Option<&[bool]> {
         self.mask.as_deref()
     }
 
     /// The channel of the boards of each transducer (N,), or `None` where the order of the transducers decides.
-    #[must_use]
     pub fn pins(&self) -> Option<&[usize]> {
         self.pins.as_deref()
     }
 
     /// The phases and amplitudes that the device can play, or `None` if it can play any.
-    #[must_use]
     pub fn quantization(&self) -> Option<&Quantization> {
         self.quantization.as_deref()
     }
@@ -327,7 +318,6 @@ impl Array {
 
     /// The frequency in Hz of an array that is real hardware, such as every preset except the arrays of Suzuki et al. 2021. The
     /// default medium of its scenes is [`Medium::room`].
-    #[must_use]
     pub fn hardware(&self) -> Option<f64> {
         self.hardware
     }
@@ -364,13 +354,11 @@ impl Array {
     }
 
     /// How the array was made: from positions, as a grid or by a preset.
-    #[must_use]
     pub fn origin(&self) -> &Origin {
         &self.origin
     }
 
     /// Whether pressures are in the unit of Suzuki et al. 2021, eq. (5) with lengths in millimetres: P0 is then 1e-3 Pa m.
-    #[must_use]
     pub fn in_paper_unit(&self) -> bool {
         self.transducer.source_pressure == 1e-3
     }

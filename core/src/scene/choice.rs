@@ -45,7 +45,6 @@ impl Choice {
     }
 
     /// Returns the table of options, with `balance` and `aim` if they are given: the inverse of [`Self::new`].
-    #[must_use]
     pub fn table(&self) -> Options {
         let mut table = self.options.clone();
         if let Some(balance) = self.balance {

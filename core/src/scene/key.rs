@@ -53,13 +53,11 @@ macro_rules! numbers {
             ];
 
             /// The key of this name; case, "-" and "_" do not matter.
-            #[must_use]
             pub fn key(name: &str) -> Option<&'static $crate::scene::Key> {
                 Self::KEYS.iter().find(|key| $crate::error::same_name(key.name, name))
             }
 
             /// The fields: name and value of each.
-            #[must_use]
             pub fn numbers(&self) -> impl ExactSizeIterator<Item = (&'static str, f64)> + use<> {
                 [$( (stringify!($field), self.$field), )+].into_iter()
             }

@@ -43,7 +43,6 @@ impl Medium {
     }
 
     /// The temperature in degrees C at which air has this sound speed.
-    #[must_use]
     pub fn temperature(&self) -> f64 {
         let ratio = self.sound_speed / 331.3;
         273.15 * (ratio * ratio - 1.0)
@@ -55,7 +54,6 @@ impl Medium {
     /// ```
     /// assert!((1e5 * midair::Medium::default().viscosity() - 1.79).abs() < 0.01);
     /// ```
-    #[must_use]
     pub fn viscosity(&self) -> f64 {
         let kelvin = 273.15 + self.temperature();
         1.458e-6 * kelvin * math::sqrt(kelvin) / (kelvin + 110.4)
@@ -99,13 +97,11 @@ impl Medium {
     }
 
     /// The wavelength c/f in m.
-    #[must_use]
     pub fn wavelength(&self) -> f64 {
         self.sound_speed / self.frequency
     }
 
     /// The wavenumber k = 2 pi f/c in 1/m.
-    #[must_use]
     pub fn wavenumber(&self) -> f64 {
         core::f64::consts::TAU / self.wavelength()
     }
@@ -121,7 +117,6 @@ impl Medium {
     /// let pascals = midair::Medium::default().radiation(5e3);
     /// assert!((pascals - 176.8).abs() < 0.1);
     /// ```
-    #[must_use]
     pub fn radiation(&self, pressure: f64) -> f64 {
         pressure * pressure / (self.density * self.sound_speed * self.sound_speed)
     }
@@ -135,7 +130,6 @@ impl Medium {
     /// let shares = [2e3, 5e3, 10e3].map(|pressure| (100.0 * air.second_harmonic(pressure)).round());
     /// assert_eq!(shares, [8.0, 20.0, 40.0]);
     /// ```
-    #[must_use]
     pub fn second_harmonic(&self, pressure: f64) -> f64 {
         const BETA: f64 = 1.2;
         1.5 * core::f64::consts::PI * BETA * self.radiation(1.0) * pressure
@@ -161,7 +155,6 @@ impl Medium {
 /// assert!((midair::spl(2e-5 * 2f64.sqrt()) - 0.0).abs() < 1e-12);
 /// assert!((midair::spl(2000.0) - 157.0).abs() < 0.1);
 /// ```
-#[must_use]
 pub fn spl(pressure: f64) -> f64 {
     20.0 * math::log10(pressure.abs() / core::f64::consts::SQRT_2 / 20e-6)
 }

@@ -81,25 +81,21 @@ impl Mesh {
     }
 
     /// The vertices (V, 3) in m.
-    #[must_use]
     pub fn vertices(&self) -> &[[f64; 3]] {
         &self.vertices
     }
 
     /// The faces (F, 3): three vertex indices for each.
-    #[must_use]
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
     }
 
     /// The acoustic boundary condition of the surface.
-    #[must_use]
     pub fn kind(&self) -> Surface {
         self.kind
     }
 
     /// The enclosed volume in m^3.
-    #[must_use]
     pub fn volume(&self) -> f64 {
         self.volume
     }

@@ -152,7 +152,6 @@ impl Scene {
     }
 
     /// The optional parts of this scene.
-    #[must_use]
     pub fn extras(&self) -> Extras {
         Extras {
             signature: self.signature.clone(),
@@ -194,7 +193,6 @@ impl Scene {
     }
 
     /// The bead that traps are made for.
-    #[must_use]
     pub fn bead(&self) -> Bead {
         self.bead
     }
@@ -226,7 +224,6 @@ impl Scene {
     }
 
     /// The obstacles as given.
-    #[must_use]
     pub fn obstacles(&self) -> &[Obstacle] {
         self.obstacles.list()
     }
@@ -237,31 +234,26 @@ impl Scene {
     }
 
     /// The signature, which turns the foci into traps; `None` for plain foci.
-    #[must_use]
     pub fn signature(&self) -> Option<&Signature> {
         self.signature.as_ref()
     }
 
     /// The array that plays the scene.
-    #[must_use]
     pub fn array(&self) -> &Array {
         &self.array
     }
 
     /// The medium around the array.
-    #[must_use]
     pub fn medium(&self) -> Medium {
         self.medium
     }
 
     /// The control points (M, 3) in m.
-    #[must_use]
     pub fn points(&self) -> &[[f64; 3]] {
         &self.points
     }
 
     /// The request: targets and weights of the points.
-    #[must_use]
     pub fn request(&self) -> &Request {
         &self.request
     }
@@ -279,7 +271,6 @@ impl Scene {
     /// );
     /// # Ok::<(), midair::Error>(())
     /// ```
-    #[must_use]
     pub fn doubts(&self) -> Vec<Notice> {
         let mut doubts = self.array.doubts(self.medium);
         doubts.extend(self.own_doubts());
@@ -287,7 +278,6 @@ impl Scene {
     }
 
     /// Returns the probable mistakes in points and plane, without those of [`Array::doubts`].
-    #[must_use]
     pub fn own_doubts(&self) -> Vec<Notice> {
         let mut doubts = Vec::new();
         let far = Vicinity::of(&self.array).doubt(&self.points, |j| format!("points[{j}].position"));
@@ -300,20 +290,17 @@ impl Scene {
     }
 
     /// Returns a warning if a place in m is so far from the array that its unit is probably wrong; `name` names place k.
-    #[must_use]
     pub fn doubt_places(&self, places: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Notice> {
         Vicinity::of(&self.array).far(places, name)
     }
 
     /// The planes for pictures of this scene: its own plane, or [`Scene::planes_around`] if it has none.
-    #[must_use]
     pub fn picture_planes(&self) -> Vec<Plane> {
         self.plane.map_or_else(|| self.planes_around(), |plane| [plane].into())
     }
 
     /// Returns planes that show the points and the obstacles. For foci they are those of [`Plane::around`]. Each trap has two
     /// upright planes. Each body that none of these planes cuts has an upright plane of its own.
-    #[must_use]
     pub fn planes_around(&self) -> Vec<Plane> {
         let (points, wavelength) = (&self.points, self.medium.wavelength());
         let traps = self.signature.is_some() && !points.is_empty();
@@ -327,7 +314,6 @@ impl Scene {
     }
 
     /// Whether a picture of the plane shows a point or, for traps, the loud shell around one: the middle of a trap is dark.
-    #[must_use]
     pub fn is_shown(&self, plane: &Plane) -> bool {
         let wavelength = self.medium.wavelength() * if self.signature.is_some() { SHELL } else { 1.0 };
         self.points.iter().any(|&point| plane.shows(point, wavelength))

@@ -109,7 +109,6 @@ parts! {
 
 impl Part {
     /// The type of the part's value.
-    #[must_use]
     pub fn kind(&self) -> PartKind {
         match self.access {
             Access::Real(..) => PartKind::Real,
@@ -122,7 +121,6 @@ impl Part {
     }
 
     /// The value of this part in an array, or `None` where the array has none.
-    #[must_use]
     pub fn of(&self, array: &Array) -> Option<PartValue> {
         match self.access {
             Access::Real(get, _) => Some(PartValue::Real(get(array))),
@@ -166,7 +164,6 @@ impl Part {
 
 impl Array {
     /// Returns the part of this name; case, "-" and "_" do not matter.
-    #[must_use]
     pub fn part(name: &str) -> Option<&'static Part> {
         Self::PARTS.iter().find(|part| same_name(part.name, name))
     }

@@ -111,7 +111,6 @@ impl Plane {
     /// or x, only that plane is returned. Otherwise the normal is the axis along which the points have the fewest different
     /// places, with one plane for each place, at most four. Planes with the most points come first. The planes differ only in
     /// their coordinate along the normal.
-    #[must_use]
     pub fn around(points: &[[f64; 3]], wavelength: f64) -> Vec<Self> {
         let layers = |axis| Self::layers(axis, points, wavelength);
         let mut planes = Axis::ALL.map(layers).into_iter().min_by_key(Vec::len).unwrap_or_default();
@@ -121,7 +120,6 @@ impl Plane {
 
     /// Returns two upright planes of one size through each of the first four traps: first all normal to y, then all normal to
     /// x. A trap is a node of the pressure, and a plane across the array's axis may contain only nodes.
-    #[must_use]
     pub(crate) fn upright(traps: &[[f64; 3]], wavelength: f64) -> Vec<Self> {
         let through = |axis: Axis| {
             let middle = move |trap: &[f64; 3]| (trap[axis.index()], axis.others().map(|k| trap[k]));
@@ -192,7 +190,6 @@ impl Plane {
 
     /// Whether a picture of the plane shows this point: it lies in the square, with half a pixel as margin, and within a tenth
     /// of the wavelength of the plane.
-    #[must_use]
     pub fn shows(&self, point: [f64; 3], wavelength: f64) -> bool {
         let edge = 0.5 * self.size * (1.0 + 1.0 / (self.pixels as f64 - 1.0));
         let inside =
@@ -202,28 +199,24 @@ impl Plane {
     }
 
     /// Returns a copy of this plane with all lengths rounded to micrometres, for messages.
-    #[must_use]
     pub fn rounded(&self) -> Self {
         let round = |x: f64| libm::round(x * 1e6) / 1e6;
         Self { at: round(self.at), size: round(self.size), center: self.center.map(round), ..*self }
     }
 
     /// Coordinates in m of the pixels along one side of the picture: `side` 0 is horizontal, 1 is vertical.
-    #[must_use]
     pub fn samples(&self, side: usize) -> Vec<f64> {
         let step = self.size / (self.pixels as f64 - 1.0);
         (0..self.pixels).map(|i| self.center[side] - self.size / 2.0 + i as f64 * step).collect()
     }
 
     /// Coordinates in m of the pixels along an axis of space; `None` for the normal of the plane.
-    #[must_use]
     pub fn along(&self, axis: Axis) -> Option<Vec<f64>> {
         let side = self.axis.others().into_iter().position(|k| k == axis.index())?;
         Some(self.samples(side))
     }
 
     /// The samples row by row, the horizontal axis fastest: pixel (up, across) has the index up * pixels + across.
-    #[must_use]
     pub fn points(&self) -> Vec<[f64; 3]> {
         let [across, up] = self.axis.others();
         let row = self.samples(0);

@@ -79,7 +79,6 @@ fn metres(value: f64, range: &RangeInclusive<f64>) -> String {
 impl Bead {
     /// Returns a probable mistake in a bead: a radius larger than the wavelength, or a density below that of the air. The default
     /// bead, which most scenes do not use, is not judged.
-    #[must_use]
     pub(crate) fn doubt(&self, medium: Medium) -> Option<Notice> {
         let (radius, wavelength) = (self.particle.radius, medium.wavelength());
         let sure = self.particle != Particle::default() && is_sure(medium);
@@ -99,7 +98,6 @@ impl Bead {
 
 impl Plane {
     /// Returns a probable mistake in a plane: a length larger than any array.
-    #[must_use]
     pub fn doubt(&self) -> Option<Notice> {
         let [across, up] = self.center;
         let place = format!("plane.{}", self.axis);
@@ -111,7 +109,6 @@ impl Plane {
 
 impl Array {
     /// Returns probable mistakes in an array and its medium; each mistake is listed once.
-    #[must_use]
     pub fn doubts(&self, medium: Medium) -> Vec<Notice> {
         let mut doubts = of_medium(medium);
         let pressure = self.transducer().source_pressure;
@@ -124,7 +121,6 @@ impl Array {
     }
 
     /// Returns a probable mistake in an array alone: a width larger than that of any array.
-    #[must_use]
     pub fn doubt(&self) -> Option<Notice> {
         let side = largest(&self.bounds());
         (side > LARGEST)

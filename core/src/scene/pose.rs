@@ -81,7 +81,6 @@ impl Pose {
     }
 
     /// Returns the rows of the rotation's matrix.
-    #[must_use]
     pub fn rows(&self) -> [[f64; 3]; 3] {
         self.rows
     }

@@ -25,7 +25,6 @@ impl Request {
     /// assert_eq!(request.pressures, Some(vec![500.0, 300.0]));
     /// assert_eq!(request.phases, Some(vec![std::f64::consts::FRAC_PI_2, std::f64::consts::PI]));
     /// ```
-    #[must_use]
     pub fn of_complex(pressures: &[Complex64]) -> Self {
         // Sets the phase of a zero to 0: atan2 gives pi for -0.
         let phase = |p: &Complex64| if *p == Complex64::ZERO { 0.0 } else { math::atan2(p.im, p.re) };
@@ -37,7 +36,6 @@ impl Request {
     }
 
     /// The complex pressures (M,) in Pa; `None` where pressures or phases are left out.
-    #[must_use]
     pub fn complex_pressures(&self) -> Option<Vec<Complex64>> {
         let (pressures, phases) = (self.pressures.as_ref()?, self.phases.as_ref()?);
         Some(pressures.iter().zip(phases).map(|(&p, &phase)| p * math::phasor(phase)).collect())

@@ -83,7 +83,6 @@ impl Signature {
     }
 
     /// The name; `None` for given factors and for a list.
-    #[must_use]
     pub fn name(&self) -> Option<&'static str> {
         if *self == Self::Focus {
             return Some(FOCUS);

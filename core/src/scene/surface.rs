@@ -19,7 +19,6 @@ words!(Surface: "rigid" = Surface::Rigid, "soft" = Surface::Soft);
 
 impl Surface {
     /// "rigid" or "soft".
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Rigid => "rigid",

@@ -104,13 +104,11 @@ impl Array {
     }
 
     /// The driven channel of each transducer (N,), or `None` where each has its own.
-    #[must_use]
     pub fn channels(&self) -> Option<&[usize]> {
         self.wiring().map(Channels::of)
     }
 
     /// The wiring as [`Channels`].
-    #[must_use]
     pub fn wiring(&self) -> Option<&Channels> {
         self.channels.as_ref()
     }

@@ -61,7 +61,6 @@ impl Tracks {
     }
 
     /// Warns of a bound below a step of the board's phases.
-    #[must_use]
     pub fn doubt(&self) -> Option<Notice> {
         Remark::still_on(self.change, self.phases()).map(|remark| remark.notice())
     }
@@ -183,13 +182,11 @@ pub struct Horizon {
 
 impl Horizon {
     /// Returns a horizon of `ahead` frames, before the first frame.
-    #[must_use]
     pub fn new(tracks: Tracks, ahead: usize) -> Self {
         Self { tracks, ahead, frames: Vec::new(), codes: Vec::new(), decided: 0, done: 0 }
     }
 
     /// Returns the codes (K, N) of the last frame and of those after it, and the number of frames of them that are final.
-    #[must_use]
     pub fn state(&self) -> (&[u16], usize) {
         (&self.codes, self.decided)
     }
@@ -200,7 +197,6 @@ impl Horizon {
     }
 
     /// Returns how many frames can be pushed before the next one is solved.
-    #[must_use]
     pub fn wanted(&self) -> usize {
         self.most().saturating_sub(self.frames.len())
     }
@@ -215,7 +211,6 @@ impl Horizon {
     }
 
     /// The frame that was returned last: points and targets.
-    #[must_use]
     pub fn frame(&self) -> Option<(&[[f64; 3]], &[f64])> {
         self.frames.first().map(|(points, targets)| (&points[..], &targets[..]))
     }

@@ -71,7 +71,6 @@ pub struct Session {
 
 impl Session {
     /// Returns a session for an array and a solver; `balance` says whether it balances.
-    #[must_use]
     pub fn new(model: Model, solver: impl Into<Arc<dyn Solve + Send + Sync>>, balance: bool) -> Self {
         let setup = Arc::new(Setup::of_model(&model));
         let vicinity = Some(Vicinity::of(model.array()));
@@ -294,13 +293,11 @@ impl Session {
     }
 
     /// The problem of the last request.
-    #[must_use]
     pub fn problem(&self) -> Option<&Problem> {
         self.workers.first()?.problems.first()
     }
 
     /// The last solution, if the last call was successful.
-    #[must_use]
     pub fn solution(&self) -> Option<&Solution> {
         self.solution.as_ref()
     }
@@ -311,13 +308,11 @@ impl Session {
     }
 
     /// The number of transducers N.
-    #[must_use]
     pub fn transducers(&self) -> usize {
         self.task.transducers.count(&self.task.setup)
     }
 
     /// The number of points M of a user's own propagation matrix G; `None` for other sessions.
-    #[must_use]
     pub fn given_points(&self) -> Option<usize> {
         self.task.transducers.points()
     }

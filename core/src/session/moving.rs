@@ -204,7 +204,6 @@ impl Pace {
     }
 
     /// Returns a warning about a bound that binds nothing.
-    #[must_use]
     pub fn doubt(&self) -> Option<Notice> {
         let change = self.change.filter(|&change| change > PI)?;
         let cure = format!("give {} if degrees are meant, pi for no bound", figures(change.to_radians(), 3));
@@ -255,7 +254,6 @@ impl Moving {
     }
 
     /// The board on which the frames are played. Frames that are solved together need phases: 256 if the array has none.
-    #[must_use]
     pub fn board(&self) -> Option<Quantization> {
         let board = self.scene.array().quantization().filter(|board| !board.is_continuous()).cloned();
         if self.ahead == Some(0) || board.as_ref().is_some_and(|board| board.phases().is_some()) {
@@ -265,7 +263,6 @@ impl Moving {
     }
 
     /// Whether all drives have full amplitude.
-    #[must_use]
     pub fn is_full(&self) -> bool {
         let sounds = |targets: &[f64]| targets.iter().any(|&target| target > 0.0);
         self.aim == Aim::Max && self.targets.chunks(self.count()).all(sounds)
@@ -273,7 +270,6 @@ impl Moving {
 
     /// Returns probable mistakes: pressures that change although the highest are requested, points that are faster than the bound
     /// allows, a bound that binds nothing or is below a step of the board's phases. The solver of single frames reports the last itself.
-    #[must_use]
     pub fn doubts(&self) -> Vec<Notice> {
         let phases = self.board().and_then(|board| board.phases()).filter(|_| self.ahead != Some(0));
         let still = phases.and_then(|phases| Remark::still_on(self.change, phases));
@@ -353,7 +349,6 @@ impl Moving {
 
     /// Returns where each trap has to accelerate its bead the most, without those of slight accelerations. At the first and the
     /// last frame of an open motion, each trap has to catch its bead.
-    #[must_use]
     pub fn pulls(&self) -> Vec<Pull> {
         let (frames, count) = (self.frames(), self.count());
         let apart = (rint(WHILE * self.rate) as usize).max(1);
@@ -472,13 +467,11 @@ impl Moving {
     }
 
     /// The number of frames T.
-    #[must_use]
     pub fn frames(&self) -> usize {
         self.points.len() / self.count()
     }
 
     /// The number of points M in a frame.
-    #[must_use]
     pub fn count(&self) -> usize {
         self.scene.points().len()
     }
@@ -543,7 +536,6 @@ impl Session {
 
 /// Returns the aim of moving points, and whether they are solved as the stiffest traps. Points that are given alone, `plain`, get
 /// the highest pressures, unless an aim says otherwise; traps among them, or among foci, are made as stiff as possible.
-#[must_use]
 pub fn meant(plain: bool, aim: Option<Aim>, signature: Option<&Signature>) -> (Aim, bool) {
     let aim = aim.unwrap_or(if plain { Aim::Max } else { Aim::Target });
     (aim, plain && aim == Aim::Max && signature.is_some_and(Signature::traps))
@@ -574,7 +566,6 @@ pub fn sight(ahead: Option<&Value>, closed: bool) -> Result<Option<usize>, Error
 }
 
 /// Returns the number of frames on each side from which the acceleration of points is computed.
-#[must_use]
 pub(crate) fn look(rate: f64) -> usize {
     (rint(LOOK * rate) as usize).max(1)
 }

@@ -110,7 +110,6 @@ impl MovingSolver {
     }
 
     /// The horizon that solves each frame with some later ones, if that is how frames are solved.
-    #[must_use]
     pub fn horizon(&self) -> Option<&Horizon> {
         match &self.method {
             Method::Ahead(horizon, _) => Some(horizon),

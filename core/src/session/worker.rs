@@ -31,7 +31,6 @@ pub struct SolveRequest {
 
 impl SolveRequest {
     /// Returns the request of a scene: its points, targets and weights, and the aim of its solver.
-    #[must_use]
     pub fn of_scene(scene: &Scene) -> Self {
         Self {
             points: scene.points().to_vec(),

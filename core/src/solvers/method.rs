@@ -111,7 +111,6 @@ pub struct Info {
 
 impl Info {
     /// Creates the entry of a method that neither balances nor uses a start or an aim, with a tolerance of 1e-4.
-    #[must_use]
     pub const fn new(name: &'static str, summary: &'static str, source: &'static str) -> Self {
         Self { name, summary, source, balance: false, tolerance: 1e-4, uses_start: false, uses_aim: false }
     }
@@ -147,7 +146,6 @@ pub trait Method: Configure + Solve + Send + Sync + 'static {
     const INFO: Info;
 
     /// Returns the defaults that follow from a device's quantization.
-    #[must_use]
     fn device_defaults(_quantization: &Quantization) -> Options {
         Options::new()
     }

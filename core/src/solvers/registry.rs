@@ -85,19 +85,16 @@ impl Configured {
 
 impl Entry {
     /// Creates the registry's line for a method.
-    #[must_use]
     pub const fn of<M: Method>() -> Self {
         Self { info: &M::INFO, list: M::list, make: make::<M>, device: M::device_defaults }
     }
 
     /// Returns every option with its default.
-    #[must_use]
     pub fn options(&self) -> Vec<OptionInfo> {
         (self.list)()
     }
 
     /// Returns whether the method uses the phases of the targets.
-    #[must_use]
     pub fn uses_phases(&self) -> bool {
         (self.make)(&Options::new()).is_ok_and(|made| made.solver.uses_phases())
     }
@@ -180,7 +177,6 @@ pub fn find(name: &str) -> Result<&'static Entry, Error> {
 }
 
 /// Returns the error for an argument that the solver `name` does not use; it lists the solvers that do.
-#[must_use]
 pub fn unused(argument: &str, name: &str, uses: fn(&Info) -> bool) -> Error {
     let users: Vec<&str> = SOLVERS.iter().map(|entry| entry.info).filter(|info| uses(info)).map(|i| i.name).collect();
     let cure = if users.is_empty() {

@@ -64,7 +64,6 @@ impl fmt::Display for Remark {
 
 impl Remark {
     /// Returns the parts of the warning.
-    #[must_use]
     pub fn notice(&self) -> Notice {
         match self {
             Self::Beyond(beyond) => beyond.notice(),
@@ -129,7 +128,6 @@ const HARMONIC: f64 = 0.25;
 
 impl Remark {
     /// Warns of a board with too few phases for a bound on their changes in rad, unless the bound is 0.
-    #[must_use]
     pub fn still_on(change: f64, phases: u32) -> Option<Self> {
         (change > 0.0 && steps_within(change, phases) < 1.0).then_some(Self::Still { change, phases })
     }
@@ -164,7 +162,6 @@ impl Remark {
 /// assert!(texts[0].starts_with("points[0].pressure is 10000 Pa, beyond reach"));
 /// # Ok::<(), midair::Error>(())
 /// ```
-#[must_use]
 pub fn remarks(
     problem: &Problem,
     solver: &dyn Solve,

@@ -91,19 +91,16 @@ impl Touch {
     }
 
     /// The number of frames.
-    #[must_use]
     pub fn count(&self) -> usize {
         self.count
     }
 
     /// Returns the displacement in m of a range of places at the start of a frame.
-    #[must_use]
     pub fn at(&self, frame: usize, places: Range<usize>) -> Vec<f32> {
         self.skin.motion(frame as f64 / self.rate, places)
     }
 
     /// Returns the largest displacement in m of the place that moves most.
-    #[must_use]
     pub fn peak(&self) -> f64 {
         let rms: Vec<f64> = self.skin.rms().into_iter().map(f64::from).collect();
         let best = largest(&rms);
@@ -112,7 +109,6 @@ impl Touch {
     }
 
     /// Returns the felt width in m at the strongest of the places.
-    #[must_use]
     pub fn width(&self, places: &[[f64; 3]]) -> f64 {
         let strength = self.skin.strength();
         felt_width(&strength, places, largest(&strength))

@@ -61,19 +61,16 @@ impl Membrane {
     }
 
     /// Returns T in N/m.
-    #[must_use]
     pub fn tension(&self) -> Complex64 {
         self.tension
     }
 
     /// Returns s in 1/m for a frequency in Hz: waves decay as e^(-Re(s) r), and their phase falls by Im(s) r.
-    #[must_use]
     pub fn decay(&self, frequency: f64) -> Complex64 {
         self.decay * frequency
     }
 
     /// Returns the displacement in m/N at a distance in m from a point force of a frequency in Hz.
-    #[must_use]
     pub fn response(&self, frequency: f64, distance: f64) -> Complex64 {
         let size = math::hypot(self.decay.re, self.decay.im) * frequency * distance;
         let step = math::log(MOST / LEAST) / (ENTRIES - 1) as f64;

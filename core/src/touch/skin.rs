@@ -83,27 +83,23 @@ impl Pushes {
 
     /// Returns the frequencies f (L,) of the spectral lines in Hz, 0 < f <= 1 kHz. There is none if the sequence
     /// repeats more often than 1000 times a second.
-    #[must_use]
     pub fn frequencies(&self) -> &[f64] {
         &self.frequencies
     }
 
     /// Returns the mean pressure over time (P,) in Pa.
-    #[must_use]
     pub fn mean(&self) -> &[f32] {
         &self.mean
     }
 
     /// Returns the complex amplitudes (L, P) in Pa: a line's pressure at time t is the real part of amplitude times
     /// e^(2 pi j f t).
-    #[must_use]
     pub fn lines(&self) -> &[Complex32] {
         &self.lines
     }
 }
 
 /// Returns, for each of L spectral lines (L, P), whether it is above rounding errors at any place.
-#[must_use]
 pub fn live_lines(lines: &[Complex32], places: usize) -> Vec<bool> {
     let largest = |line: &[Complex32]| line.iter().map(Complex32::norm_sqr).fold(0.0, f32::max);
     let loudest: Vec<f32> = lines.chunks_exact(places).map(|line| math::sqrtf(largest(line))).collect();
@@ -161,7 +157,6 @@ impl Skin {
 
 impl Skin {
     /// Returns the displacement in m of a range of places at a time in s, without its mean over time.
-    #[must_use]
     pub fn motion(&self, time: f64, places: Range<usize>) -> Vec<f32> {
         let mut moved = vec![0.0; places.len()];
         for (frequency, line) in self.frequencies.iter().zip(self.displacement.chunks_exact(self.slow.len())) {
@@ -173,7 +168,6 @@ impl Skin {
     }
 
     /// Returns the root mean square over time of the displacement (P,) in m.
-    #[must_use]
     pub fn rms(&self) -> Vec<f32> {
         let mut squares = vec![0.0; self.slow.len()];
         for line in self.displacement.chunks_exact(squares.len()) {
@@ -183,7 +177,6 @@ impl Skin {
     }
 
     /// Returns the felt strength (P,); 1 is the threshold.
-    #[must_use]
     pub fn strength(&self) -> Vec<f64> {
         self.slow.iter().zip(&self.fast).map(|(&slow, &fast)| strength(slow, fast)).collect()
     }

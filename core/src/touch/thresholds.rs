@@ -62,7 +62,6 @@ impl Channel {
     /// assert!((Channel::Fast.threshold(250.0) - 1e-7).abs() < 1e-12);
     /// assert!(Channel::Slow.threshold(20.0) < Channel::Fast.threshold(20.0));
     /// ```
-    #[must_use]
     pub fn threshold(self, frequency: f64) -> f64 {
         let parts = self.curve().windows(2).map(|pair| (pair[0], pair[1]));
         let part = parts.clone().find(|((low, _), (high, _))| (low..=high).contains(&&frequency));
@@ -75,7 +74,6 @@ impl Channel {
     /// Returns the factor by which vibrations exceed the threshold at each of P places: sqrt(sum of
     /// |amplitude/threshold|^2) over L spectral lines. `squares` (L, P) are |amplitude|^2 in m^2 at the frequencies
     /// (L,) in Hz.
-    #[must_use]
     pub fn excess(self, frequencies: &[f64], squares: &[f32], places: usize) -> Vec<f64> {
         let mut sums = vec![0.0; places];
         for (&frequency, line) in frequencies.iter().zip(squares.chunks_exact(places)) {
@@ -90,7 +88,6 @@ impl Channel {
 /// Returns the felt strength for the factors by which a vibration exceeds the thresholds of both channels; it is 1 at
 /// the threshold. It is the larger factor plus half of the smaller one (Hollins and Roy, Somatosens. Motor Res. 13,
 /// 1996).
-#[must_use]
 pub fn strength(slow: f64, fast: f64) -> f64 {
     slow.max(fast) + slow.min(fast) / 2.0
 }
@@ -100,14 +97,12 @@ pub fn strength(slow: f64, fast: f64) -> f64 {
 /// ```
 /// assert_eq!([10.0, 1.0, 0.0].map(midair::touch::decibels), [20.0, 0.0, f64::NEG_INFINITY]);
 /// ```
-#[must_use]
 pub fn decibels(strength: f64) -> f64 {
     20.0 * math::log10(strength)
 }
 
 /// Returns the width of a felt spot in m: twice the distance from the place of index `middle` to the nearest place
 /// whose value is less than half of the value at `middle`. It is infinite if there is no such place.
-#[must_use]
 pub fn felt_width(values: &[f64], places: &[[f64; 3]], middle: usize) -> f64 {
     let apart = |place: &[f64; 3]| {
         let way = Vec3(*place) - places[middle];

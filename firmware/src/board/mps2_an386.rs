@@ -16,7 +16,6 @@ pub struct Uart(());
 
 impl Uart {
     /// Switches the UART on, at this baud rate.
-    #[must_use]
     pub fn new(baud: u32) -> Self {
         // SAFETY: these are registers of the UART, which no other code uses.
         unsafe {

@@ -27,7 +27,6 @@ pub struct Uart(());
 
 impl Uart {
     /// Switches the USART on, at this baud rate.
-    #[must_use]
     pub fn new(baud: u32) -> Self {
         let set = |register: *mut u32, mask: u32, bits: u32| {
             // SAFETY: these are registers of clocks, pin and USART, which no other code uses.

@@ -83,7 +83,6 @@ impl InstructionSet {
     }
 
     /// Returns the fastest set of this machine.
-    #[must_use]
     pub fn best() -> Self {
         Self::all().last().unwrap_or(Self::SCALAR)
     }
@@ -104,13 +103,11 @@ impl InstructionSet {
     }
 
     /// Returns the set of this name if this machine has it. Upper and lower case, "-" and "_" make no difference.
-    #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::all().find(|set| same_name(set.name(), name))
     }
 
     /// Returns the name: "scalar", "avx2", "avx512", "neon" or "simd128".
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self.0 {
             Kind::Scalar(_) if cfg!(target_feature = "simd128") => "simd128",

@@ -12,13 +12,11 @@ impl Particle {
     }
 
     /// The mass in kg that a force accelerates: the particle's own and half that of the displaced air, which moves with it.
-    #[must_use]
     pub fn mass(&self, medium: Medium) -> f64 {
         (self.density + 0.5 * medium.density) * self.volume()
     }
 
     /// Returns the weight less buoyancy in N, for a `gravity` in m/s^2.
-    #[must_use]
     pub fn weight(&self, medium: Medium, gravity: [f64; 3]) -> [f64; 3] {
         gravity.map(|g| (self.density - medium.density) * self.volume() * g)
     }
@@ -39,14 +37,12 @@ impl Particle {
     /// ```text
     /// F = 6 pi eta a v (1 + 0.15 Re^0.687),   Re = 2 a rho v/eta
     /// ```
-    #[must_use]
     pub fn drag(&self, medium: Medium, speed: f64) -> f64 {
         let reynolds = 2.0 * self.radius * medium.density * speed / medium.viscosity();
         self.friction(medium) * speed * (1.0 + 0.15 * math::pow(reynolds, 0.687))
     }
 
     /// Returns the force in N that a velocity in m/s and an acceleration in m/s^2 require, besides weight and buoyancy.
-    #[must_use]
     pub fn needed(&self, medium: Medium, velocity: [f64; 3], acceleration: [f64; 3]) -> [f64; 3] {
         let (mass, speed) = (self.mass(medium), Vec3(velocity).norm());
         let drag = if speed > 0.0 { self.drag(medium, speed) / speed } else { 0.0 };
@@ -54,7 +50,6 @@ impl Particle {
     }
 
     /// Returns a remark if the radius exceeds an eighth of the wavelength, where waves above the quadrupole matter.
-    #[must_use]
     pub fn remark(&self, medium: Medium) -> Option<alloc::string::String> {
         let most = LARGEST * medium.wavelength();
         (self.radius > most).then(|| {

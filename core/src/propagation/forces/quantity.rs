@@ -51,7 +51,6 @@ impl Quantity {
     }
 
     /// The number of values at each point.
-    #[must_use]
     pub fn width(self) -> usize {
         match self {
             Self::Pressure => 2,
@@ -61,7 +60,6 @@ impl Quantity {
     }
 
     /// The particle, or `None` for a quantity of the pressure.
-    #[must_use]
     pub fn particle(self) -> Option<Particle> {
         match self {
             Self::Potential(particle) | Self::Force(particle) | Self::Stiffness(particle) => Some(particle),

@@ -88,13 +88,11 @@ impl Boundary {
     }
 
     /// The number of elements E.
-    #[must_use]
     pub fn elements(&self) -> usize {
         self.elements.len()
     }
 
     /// The number of transducers N.
-    #[must_use]
     pub fn transducers(&self) -> usize {
         self.sources[0].array.len()
     }
@@ -104,7 +102,6 @@ impl Boundary {
     }
 
     /// The parameters that the sound on the boundary depends on, as bytes: the key for a cache of solutions.
-    #[must_use]
     pub fn content(&self) -> Vec<u8> {
         let (array, medium) = (&self.sources[0].array, self.medium());
         // {:?} writes the shortest text that reads as the same f64.

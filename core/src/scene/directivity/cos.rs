@@ -27,7 +27,6 @@ pub(super) static LAW: Law = Law {
 
 impl Directivity {
     /// D = cos(theta)^n with n = `exponent`; `HandyBeam`'s model with n = 3.376.
-    #[must_use]
     pub const fn cos(exponent: f64) -> Self {
         Self { law: &LAW, parameter: exponent }
     }

@@ -52,19 +52,16 @@ impl Directivity {
     }
 
     /// The arguments of [`Directivity::named`] that give this directivity.
-    #[must_use]
     pub fn name(&self) -> (&'static str, Option<f64>) {
         (self.law.name, self.law.parameter.map(|_| self.parameter))
     }
 
     /// The formula, in one line.
-    #[must_use]
     pub fn about(&self) -> &'static str {
         self.law.about
     }
 
     /// The law's parameter, where it has one.
-    #[must_use]
     pub fn parameter(&self) -> Option<Parameter> {
         self.law.parameter
     }
@@ -104,7 +101,6 @@ impl Directivity {
     }
 
     /// Returns D at an angle, given by its cosine, for the wavenumber `k` in 1/m. Computed in double precision.
-    #[must_use]
     pub fn value(&self, cos_theta: f64, k: f64) -> f64 {
         if self.silent(cos_theta) { 0.0 } else { (self.law.value)(self.parameter, cos_theta, k) }
     }

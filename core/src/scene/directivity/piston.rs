@@ -18,7 +18,6 @@ pub(super) static LAW: Law = Law {
 
 impl Directivity {
     /// D = 2 `J1(x)/x` with x = k a sin theta: a circular piston of `radius` a (m) in a baffle.
-    #[must_use]
     pub const fn piston(radius: f64) -> Self {
         Self { law: &LAW, parameter: radius }
     }

@@ -18,7 +18,6 @@ pub(super) static LAW: Law = Law {
 
 impl Directivity {
     /// D = sin(x)/x with x = (k d/2) sin theta: an aperture of `width` d (m), as in Ultraino.
-    #[must_use]
     pub const fn sinc(width: f64) -> Self {
         Self { law: &LAW, parameter: width }
     }

@@ -73,7 +73,6 @@ impl GreedyBy {
     );
 
     /// Creates the search of `greedy` by an energy in place of its `objective`.
-    #[must_use]
     pub fn new(greedy: Greedy, energy: Box<dyn Energy>) -> Self {
         Self { greedy, energy }
     }
