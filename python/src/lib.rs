@@ -59,67 +59,39 @@ mod _midair {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use super::array::{Array, PresetInfo, directivities, presets};
-    #[pymodule_export]
-    use super::batch::{Batch, solve_batch};
-    #[pymodule_export]
-    use super::bead::Bead;
-    #[pymodule_export]
-    use super::bodies::bodies;
-    #[pymodule_export]
-    use super::codec::Codec;
-    #[pymodule_export]
-    use super::error::{SceneError, SceneWarning, restated, stated, unknown_name};
-    #[pymodule_export]
-    use super::field::{Field, field};
-    #[pymodule_export]
-    use super::files::{drive_from_csv, drive_to_csv, placed, read_sweep, scene_files, scene_keys, sweep_keys, table};
-    #[pymodule_export]
-    use super::flight::{Course, Response};
-    #[pymodule_export]
-    use super::gorkov::{Gorkov, Rest, gorkov, rest};
-    #[pymodule_export]
-    use super::gradient::gradient;
-    #[pymodule_export]
-    use super::judge::{bound, judge};
-    #[pymodule_export]
-    use super::limits::memory_limit;
-    #[pymodule_export]
-    use super::mesh::{Boundary, Mesh};
-    #[pymodule_export]
-    use super::metrics::{BatchMetrics, Metrics};
-    #[pymodule_export]
-    use super::motion::Motion;
-    #[pymodule_export]
-    use super::moving::{Horizon, Moving, bound_of, check_together, paced};
-    #[pymodule_export]
-    use super::names::{nearest, preset_name, solver_name};
-    #[pymodule_export]
-    use super::numbers::checked;
-    #[pymodule_export]
-    use super::parts::array_parts;
-    #[pymodule_export]
-    use super::path::Path;
-    #[pymodule_export]
-    use super::plane::Plane;
-    #[pymodule_export]
-    use super::points::{along, rotation, shape_points};
-    #[pymodule_export]
-    use super::propagation::Propagation;
-    #[pymodule_export]
-    use super::scene::{Reach, Scene};
-    #[pymodule_export]
-    use super::skin::{Membrane, Pushes, Shifted, decibels, excess, felt_width, hand, live_lines, strength, threshold};
-    #[pymodule_export]
-    use super::solution::{Solution, about};
-    #[pymodule_export]
-    use super::solve::solve;
-    #[pymodule_export]
-    use super::solver::Solver;
-    #[pymodule_export]
-    use super::solvers::{OptionInfo, SolverInfo, solvers};
-    #[pymodule_export]
-    use super::toolbox::register;
+    use super::{
+        array::{Array, PresetInfo, directivities, presets},
+        batch::{Batch, solve_batch},
+        bead::Bead,
+        bodies::bodies,
+        codec::Codec,
+        error::{SceneError, SceneWarning, restated, stated, unknown_name},
+        field::{Field, field},
+        files::{drive_from_csv, drive_to_csv, placed, read_sweep, scene_files, scene_keys, sweep_keys, table},
+        flight::{Course, Response},
+        gorkov::{Gorkov, Rest, gorkov, rest},
+        gradient::gradient,
+        judge::{bound, judge},
+        limits::memory_limit,
+        mesh::{Boundary, Mesh},
+        metrics::{BatchMetrics, Metrics},
+        motion::Motion,
+        moving::{Horizon, Moving, bound_of, check_together, paced},
+        names::{nearest, preset_name, solver_name},
+        numbers::checked,
+        parts::array_parts,
+        path::Path,
+        plane::Plane,
+        points::{along, rotation, shape_points},
+        propagation::Propagation,
+        scene::{Reach, Scene},
+        skin::{Membrane, Pushes, Shifted, decibels, excess, felt_width, hand, live_lines, strength, threshold},
+        solution::{Solution, about},
+        solve::solve,
+        solver::Solver,
+        solvers::{OptionInfo, SolverInfo, solvers},
+        toolbox::register,
+    };
 
     /// Highest frequency in Hz that the skin feels.
     #[pymodule_export]

@@ -28,7 +28,7 @@ EXCEPTION = re.compile(
     r'^pyo3::create_exception!\(\s*midair,\s*(\w+),\s*[\w:]*::Py(\w+),\s*("(?:[^"\\]|\\.)*")', re.MULTILINE
 )
 ALIAS = re.compile(r"^(?:pub\(crate\) )?type (\w+)(?:<.*?>)? =\s*(.*?);$", re.MULTILINE | re.DOTALL)
-EXPORTED = re.compile(r"#\[pymodule_export\]\n *use [\w:]*::(?:(\w+)|\{([^}]*)\});")
+EXPORTED = re.compile(r"#\[pymodule_export\]\n *use ([^;]*);")
 CONSTANT = re.compile(BEFORE + r"const (\w+): (.*?) =", re.MULTILINE)
 
 
@@ -136,8 +136,8 @@ def _add(exported: Exported, text: str) -> None:
     for match in FUNCTION.finditer(text):
         if "#[pyfunction" in match["before"]:
             exported.functions[match[2]] = _function(*match.groups(""))
-    for one, several in EXPORTED.findall(text):
-        exported.names += re.findall(r"\w+", one or several)
+    for tree in EXPORTED.findall(text):
+        exported.names += re.findall(r"\w+(?!\w|::)", tree)
     exported.constants += [
         Property(name, kind, _doc(before))
         for before, name, kind in CONSTANT.findall(text)

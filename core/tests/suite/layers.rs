@@ -290,7 +290,8 @@ fn home(files: &Crate, path: &[String]) -> Names {
         if !files.contains_key(&module) {
             module.pop();
             let imports = &files[&module].imports;
-            let origin = imports.iter().find(|(_, known, _)| known == name);
+            // All names of a module are those of its own file.
+            let origin = imports.iter().find(|(_, known, _)| known == name && name != "*");
             let origin = origin.and_then(|(origin, ..)| absolute(files, &module, origin));
             return match origin {
                 Some(origin) if origin != path[..=at] => home(files, &[origin, path[at + 1..].to_vec()].concat()),
