@@ -214,7 +214,7 @@ fn requested<'py>(
 /// 1e-5.
 ///
 /// From a radius of an eighth of the wavelength on, up to three, the force is that of all partial waves. Then `potential` is
-/// NaN, and `hessian` and `stiffness` are finite differences of the force. At the border both agree to 2e-3.
+/// NaN, and `hessian` and `stiffness` are finite differences of the force. At the border both agree to 1.2e-3.
 ///
 /// Examples
 /// --------

@@ -199,6 +199,7 @@ impl Plane {
     }
 
     /// Returns a copy of this plane with all lengths rounded to micrometres, for messages.
+    #[must_use]
     pub fn rounded(&self) -> Self {
         let round = |x: f64| libm::round(x * 1e6) / 1e6;
         Self { at: round(self.at), size: round(self.size), center: self.center.map(round), ..*self }
