@@ -7,13 +7,10 @@
 
 mod turns;
 
-use std::hint::black_box;
-use std::sync::Arc;
-
 use midair::solvers;
 use midair::{
     Array, Complex32, Complex64, Control, InstructionSet, Medium, Metrics, Model, Options, Plane, Precision, Problem,
-    Propagation, Request, Rng, Scene, Session, Setup, SolveRequest, Transducer, Value, Workspace,
+    Propagation, Request, Rng, Scene, Setup, Transducer, Value, Workspace,
 };
 use turns::{Side, medians, side};
 
@@ -138,71 +135,6 @@ fn against_the_textbook(array: &Array, points: usize, rounds: usize) {
     }
 }
 
-/// Compares greedy's search among 4096 candidates with that among 16.
-fn many_candidates(array: &Array, points: usize, rounds: usize) {
-    let scene = scene(array.clone(), points);
-    let order = Rng::new(0).permutation(array.len() as u32);
-    let greedy = |phases, amplitudes| {
-        Entrant::new("", "greedy", &[("phases", phases), ("amplitudes", amplitudes)], &order, InstructionSet::best())
-    };
-    let entrants = [greedy(16, 1), greedy(256, 16)];
-    let mut work = Workspace::new();
-    let [few, many] = entrants.each_ref().map(|entrant| entrant.solve(&scene, &mut work).residual);
-    assert!(many < 1.2 * few, "a finer grid serves no worse: {many} for {few}");
-    let medians = medians(&mut entrants.each_ref().map(|entrant| entrant.side(&scene)), rounds);
-    let (few, many) = (medians[0], medians[1]);
-    let ratio = many.as_secs_f64() / few.as_secs_f64();
-    println!("greedy N={} M={points}: K=16 L=256 {many:.2?}, {ratio:.2} times K=1 L=16, {few:.2?}", array.len());
-}
-
-/// Compares a batch on one thread with a loop of single solves; both make each problem anew.
-fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) {
-    let model = Model::new(array, Medium::default(), InstructionSet::best()).expect("an array with a medium");
-    let mut rng = Rng::new(points as u64);
-    let mut coordinate = || (2.0 * rng.uniform() - 1.0) * 0.1;
-    let places: Vec<Vec<[f64; 3]>> =
-        (0..count).map(|_| (0..points).map(|_| [coordinate(), coordinate(), 0.15]).collect()).collect();
-    let setup = Arc::new(Setup::of(array, Medium::default()));
-    let problem =
-        |k: usize| Problem::with_propagation(model.propagation(&places[k])?, Arc::clone(&setup), &Request::default());
-    let solver = solvers::find(name).and_then(|entry| entry.configure(&Options::new())).expect("a method");
-    let balance = solver.info.balance;
-    let mut work = Workspace::new();
-    let mut single = |out: &mut [Complex32]| {
-        for (k, out) in out.chunks_mut(array.len()).enumerate() {
-            let problem = problem(k).expect("a problem");
-            let solution =
-                midair::solve(&problem, &*solver.solver, balance, &mut work, &mut Control::none()).expect("a solution");
-            out.copy_from_slice(&solution.drive);
-            black_box(solution.metrics());
-            solution.recycle(&work);
-        }
-    };
-    let ask = |k: usize, ask: &mut SolveRequest| {
-        ask.points.clone_from(&places[k]);
-        Ok(())
-    };
-    let same = solvers::find(name).and_then(|entry| entry.configure(&Options::new())).expect("a method");
-    let mut session = Session::new(model.clone(), same.solver, balance);
-    let mut together =
-        |out: &mut [Complex32]| session.solve_batch(count, points, &ask, out, &mut Control::none()).expect("answers");
-    let mut drives = [(); 2].map(|()| vec![Complex32::ZERO; count * array.len()]);
-    single(&mut drives[0]);
-    together(&mut drives[1]);
-    assert_eq!(drives[0], drives[1], "a batch is single solves");
-    let [first, second] = &mut drives;
-    let make = side(|| (0..count).for_each(|k| drop(black_box(problem(k)))));
-    let sides = &mut [make, side(|| single(first)), side(|| together(second))];
-    let each: Vec<_> = medians(sides, rounds).iter().map(|&time| time / count as u32).collect();
-    let (made, single, together) = (each[0], each[1], each[2]);
-    println!(
-        "batch of {count}, {name}, N={} M={points}, one problem: alone {single:.2?}, together {together:.2?} ({:.2} times); \
-         making it is {made:.2?} of both",
-        array.len(),
-        single.as_secs_f64() / together.as_secs_f64()
-    );
-}
-
 /// Measures a field of 500 x 500 pixels.
 fn field() {
     let scene = scene(Array::grid(36, 36, 10e-3).expect("a grid"), 38);
@@ -228,17 +160,8 @@ fn main() {
         let boards = boards.with_transducer(Transducer::default()).expect("point sources");
         against_the_textbook(&boards, 64, 9);
         against_the_textbook(&grid(36), 38, 9);
-        for (array, points) in [&grid(20), &boards].into_iter().flat_map(|a| [32, 64, 128, 256].map(|m| (a, m))) {
-            many_candidates(array, points, 31);
-        }
-        for (name, points) in [("greedy", 4), ("greedy", 16), ("fast", 4), ("fast", 16)] {
-            batch(&grid(20), name, points, 1024, 9);
-        }
         field();
     } else {
         against_the_textbook(&grid(4), 2, 1);
-        many_candidates(&grid(4), 2, 1);
-        batch(&grid(4), "greedy", 2, 20, 1);
-        batch(&grid(4), "fast", 2, 20, 1);
     }
 }

@@ -65,7 +65,6 @@ fn requested() -> Result<u64, String> {
     }
 }
 
-#[allow(clippy::needless_pass_by_value, reason = "for map_err")]
 fn no_bytes(text: String) -> PyErr {
     invalid("MIDAIR_MEMORY", &format!("\"{text}\""), "give bytes, such as 2e9, 500MB or 16GB")
 }
