@@ -75,6 +75,18 @@ def write_names(
                 text.remove()
 
 
+def end(axes: Axes, name: str, place: tuple[float, float], colour: str, up: float = 0) -> None:
+    """Writes a name beside the end of its line, `up` points higher than the end."""
+    axes.annotate(name, place, (8, up), textcoords="offset points", va="center", color=colour)
+
+
+def frame(axes: Axes, title: str, **settings: object) -> None:
+    """Writes a title above axes with a faint grid; `settings` are those of `Axes.set`."""
+    axes.set(**settings)
+    axes.set_title(title, fontsize=12, loc="left")
+    axes.grid(alpha=0.3)
+
+
 def head(*names: str) -> None:
     """Prints the first two lines of a Markdown table."""
     print(row(*names) + rule(len(names)), end="")

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import midair
-from pictures import COLOURS, DOCS, INK, ROOT, TEAL, figure, save
+from pictures import COLOURS, DOCS, INK, ROOT, TEAL, end, figure, frame, save
 
 
 def boards() -> None:
@@ -45,19 +45,11 @@ def embedded() -> None:
     drawn, (ax,) = figure(4.2)
     for method in ("uniform", "greedy", "naive", "fast"):
         own = [row for name, row in cells if name == method and row[1] == 256]
-        points, frame = [int(row[2]) for row in own], [sum(row[6:9]) / 1e3 for row in own]
-        ax.plot(points, frame, "o-", color=COLOURS[method])
-        ax.annotate(
-            method,
-            (points[-1], frame[-1]),
-            xytext=(8, 0),
-            textcoords="offset points",
-            va="center",
-            color=COLOURS[method],
-        )
-    ax.set(xlabel="points M", xticks=[1, 4, 8], xlim=(0.5, 9.6), ylim=(0, None))
-    ax.set_title("million instructions of a frame, 256 transducers", fontsize=12, loc="left")
-    ax.grid(alpha=0.3)
+        points, counts = [int(row[2]) for row in own], [sum(row[6:9]) / 1e3 for row in own]
+        ax.plot(points, counts, "o-", color=COLOURS[method])
+        end(ax, method, (points[-1], counts[-1]), COLOURS[method])
+    title = "million instructions of a frame, 256 transducers"
+    frame(ax, title, xlabel="points M", xticks=[1, 4, 8], xlim=(0.5, 9.6), ylim=(0, None))
     save(drawn, "embedded")
 
 
@@ -82,23 +74,10 @@ def sweeps() -> None:
         means = np.array([each.mean() for each in found])
         half = np.array([1.96 * each.std(ddof=1) / np.sqrt(len(each)) for each in found])
         ax.errorbar(range(4), means, half, marker="o", capsize=4, color=COLOURS[name])
-        ax.annotate(
-            name,
-            (3, means[-1]),
-            xytext=(8, {"gspat": 7, "greedy": -7}.get(name, 0)),
-            textcoords="offset points",
-            va="center",
-            color=COLOURS[name],
-        )
-    ax.set(
-        xlabel="points M",
-        xticks=range(4),
-        xticklabels=["2", "4", "8", "16"],
-        xlim=(-0.3, 3.9),
-        ylim=(0, 1.05),
-    )
-    ax.set_title("uniformity: weakest over strongest point", fontsize=12, loc="left")
-    ax.grid(alpha=0.3)
+        end(ax, name, (3, means[-1]), COLOURS[name], {"gspat": 7, "greedy": -7}.get(name, 0))
+    ax.set_xticks(range(4), ["2", "4", "8", "16"])
+    title = "uniformity: weakest over strongest point"
+    frame(ax, title, xlabel="points M", xlim=(-0.3, 3.9), ylim=(0, 1.05))
     save(drawn, "sweeps")
 
 

@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 
-from pictures import ROOT, figure, save, write_names
+from pictures import ROOT, end, figure, frame, save, write_names
 
 sys.path.append(str(ROOT / "bench"))
 import record
@@ -39,14 +39,11 @@ def times(rows: Rows) -> None:
         took = [float(rows[rival, method, m]["ns_median"]) / 1e3 for m in sizes]
         ax.loglog(sizes, took, STYLES[rival], marker="o", ms=4, color=COLOURS[rival])
         name = f"{rival} {method.removesuffix(' 16 phases')}"
-        place = {"xytext": (7, up), "textcoords": "offset points", "va": "center", "color": COLOURS[rival]}
-        ax.annotate(name, (sizes[-1], took[-1]), **place)
+        end(ax, name, (sizes[-1], took[-1]), COLOURS[rival], up)
     ax.set_xticks([1, 4, 8, 16, 64], ["1", "4", "8", "16", "64"])
     ax.set_yticks([10, 100, 1000, 10_000], ["10 µs", "100 µs", "1 ms", "10 ms"])
     ax.minorticks_off()
-    ax.grid(alpha=0.3)
-    ax.set(xlim=(0.9, 420), xlabel="points M")
-    ax.set_title("time of one solve, 996 transducers", fontsize=12, loc="left")
+    frame(ax, "time of one solve, 996 transducers", xlim=(0.9, 420), xlabel="points M")
     save(drawn, "peers")
 
 
@@ -64,9 +61,8 @@ def evenness(rows: Rows) -> None:
     ax.set_xscale("log")
     ax.set_xticks([30, 100, 300, 1000, 3000], ["30 µs", "100 µs", "300 µs", "1 ms", "3 ms"])
     ax.minorticks_off()
-    ax.grid(alpha=0.3)
-    ax.set(ylim=(-0.01, 0.1), xlim=(20, 7000), xlabel="time of one solve, 16 points (left is better)")
-    ax.set_title("unevenness sigma (down is better)", fontsize=12, loc="left")
+    label = "time of one solve, 16 points (left is better)"
+    frame(ax, "unevenness sigma (down is better)", ylim=(-0.01, 0.1), xlim=(20, 7000), xlabel=label)
     drawn.draw_without_rendering()
     write_names(ax, names, points, colours, size=11)
     save(drawn, "peers-even")

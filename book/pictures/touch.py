@@ -170,16 +170,13 @@ def palm(corners: int) -> midair.Mesh:
 
     Its lowest point is in the points' plane.
     """
-    from scipy.spatial import ConvexHull
+    from trimesh import PointCloud
 
     k = np.arange(corners) + 0.5
     z, turn = 1 - 2 * k / corners, np.pi * (1 + math.sqrt(5)) * k
     ball = np.stack([np.sqrt(1 - z**2) * np.cos(turn), np.sqrt(1 - z**2) * np.sin(turn), z], axis=1)
-    faces = ConvexHull(ball).simplices
-    first, second, third = (ball[faces[:, side]] for side in range(3))
-    inwards = np.einsum("fk,fk->f", np.cross(second - first, third - first), first) < 0
-    faces[inwards] = faces[inwards][:, ::-1]
-    return midair.Mesh(ball * [0.045, 0.09, 0.012] + [0, 0, HEIGHT + 0.012], faces)
+    hull = PointCloud(ball).convex_hull
+    return midair.Mesh(hull.vertices * [0.045, 0.09, 0.012] + [0, 0, HEIGHT + 0.012], hull.faces)
 
 
 def cost() -> None:
