@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import math
 from collections.abc import Iterable, Sequence
-from html import escape
 from io import BytesIO
 
 import numpy as np
@@ -14,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _midair
 from .._midair import Array, Batch, Field, Scene, Solution, SolverInfo
 from .._support.arguments import without_warnings
-from .._support.text import counted, facts as _facts
+from .._support.text import counted, facts as _facts, html
 from .colours import loud, table
 
 #: Longer side of a picture in SVG units.
@@ -365,14 +364,7 @@ def _count(table: object) -> int:
     return np.size(np.asarray(table))
 
 
-def _table(rows: Sequence[Iterable[object]], names: Sequence[str], count: int | None = None) -> str:
+def _table(rows: Sequence[Iterable[object]], names: Sequence[str], count: int = 0) -> str:
     """Return an HTML table with a head; `count` is the number of all rows, also of those left out."""
-    head = "".join(f"<th>{_cell(name)}</th>" for name in names)
-    body = "".join(f"<tr>{''.join(f'<td>{_cell(cell)}</td>' for cell in row)}</tr>" for row in rows)
-    more = 0 if count is None else count - len(rows)
-    tail = f'<tr><td colspan="{len(names)}">and {more} more</td></tr>' if more > 0 else ""
-    return f"<table><tr>{head}</tr>{body}{tail}</table>"
-
-
-def _cell(value: object) -> str:
-    return escape(str(value))
+    columns = {name: [str(cell) for cell in column] for name, *column in zip(names, *rows, strict=True)}
+    return html(columns, f"the first of {count}" if count > len(rows) else "")

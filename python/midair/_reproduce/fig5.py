@@ -125,10 +125,8 @@ def collect(run: Run, over: str) -> Found:
 
 def slope(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float]:
     """Return the slope of log y over log x by least squares, and its standard error."""
-    across, up = np.log(x) - np.log(x).mean(), np.log(y) - np.log(y).mean()
-    found = float(across @ up / (across @ across))
-    left = up - found * across
-    return found, float(math.sqrt(left @ left / (len(x) - 2) / (across @ across)))
+    (found, _), covariance = np.polyfit(np.log(x), np.log(y), 1, cov=True)
+    return float(found), float(np.sqrt(covariance[0, 0]))
 
 
 def draw(found: Found, over: str) -> Figure:
