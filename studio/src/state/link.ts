@@ -162,28 +162,62 @@ function readOptions(text: string): State["options"] {
   return wrong("x", text, 'give JSON such as {"greedy":{"seed":3}}');
 }
 
-const READERS: Record<string, (text: string, state: State) => Partial<State>> = {
-  v: (text) => (text === "1" ? {} : wrong("v", text, "this page reads v=1")),
-  a: (text) => ({ array: readArray(text) }),
-  l: (text) => ({ quantization: word("l", text, QUANTIZATIONS) }),
-  t: readAir,
-  m: (text) => ({ methods: readMethods(text) }),
-  p: readPoints,
-  z: (text, { plane: { axis } }) => ({ plane: { ...readPlane(text), axis } }),
-  n: (text, { plane }) => ({ plane: { ...plane, axis: word("n", text, AXES) } }),
-  h: (text) => ({ level: word("h", text, LEVELS) }),
-  w: (text) => ({ view: word("w", text, VIEWS) }),
-  d: (text) => ({ quantity: word("d", text, QUANTITIES) }),
+/** Returns a length in m as mm, to 0.001. */
+function mm(length: number): string {
+  return String(Math.round(length * 1e6) / 1000 + 0);
+}
+
+function writePoints({ points, pressures, filled }: State): string {
+  const pressure = (k: number) => (pressures ? [`${filled.includes(k) ? "~" : ""}${pressures[k]}`] : []);
+  return points.map((at, k) => [...at.map(mm), ...pressure(k)].join()).join("_");
+}
+
+function writePlane({ z, size, center }: State["plane"]): string {
+  const middle = center.map(mm);
+  return [mm(z), mm(size), ...(middle.some((x) => x !== "0") ? middle : [])].join();
+}
+
+function writeObstacle(each: Obstacle): string {
+  return "radius" in each
+    ? `ball,${each.center.map(mm)},${mm(each.radius)},${each.kind}`
+    : `wall,${each.point.map(mm)},${each.normal},${each.kind}`;
+}
+
+function readSignature(text: string): Partial<State> {
+  if (text && isSignature(text)) return { signature: text };
+  return wrong("f", text, "give trap, twin, vortex, or one of these or focus for each point, such as trap.focus");
+}
+
+type Part = [read: (text: string, state: State) => Partial<State>, write: (state: State) => string | null];
+
+/** Returns a part that is one of some words; it is left out of a link if the state's word is `usual`. */
+function choice<K extends "quantization" | "level" | "view" | "quantity" | "scale">(key: string, name: K, words: readonly State[K][], usual?: State[K]): Part {
+  return [(text) => ({ [name]: word(key, text, words) }), (state) => (state[name] === usual ? null : state[name])];
+}
+
+/** The parts of a link by their keys, in the order in which they are written. */
+const PARTS: Record<string, Part> = {
+  v: [(text) => (text === "1" ? {} : wrong("v", text, "this page reads v=1")), () => "1"],
+  a: [(text) => ({ array: readArray(text) }), ({ array }) => ("preset" in array && !array.parts ? `${array.preset}.${array.tiles.join("x")}` : "own")],
+  l: choice("l", "quantization", QUANTIZATIONS),
+  t: [readAir, ({ temperature, absorption, density }) => [temperature, ...(absorption === null && density === null ? [] : [absorption, density])].join()],
+  m: [(text) => ({ methods: readMethods(text) }), ({ methods }) => methods.join(".")],
+  p: [readPoints, writePoints],
+  z: [(text, { plane: { axis } }) => ({ plane: { ...readPlane(text), axis } }), ({ plane }) => writePlane(plane)],
+  n: [(text, { plane }) => ({ plane: { ...plane, axis: word("n", text, AXES) } }), ({ plane: { axis } }) => (axis === "z" ? null : axis)],
+  h: choice("h", "level", LEVELS, initial.level),
+  w: choice("w", "view", VIEWS),
+  d: choice("d", "quantity", QUANTITIES, initial.quantity),
   // Old links have colour maps of |p| here, which are ignored.
-  c: (text) => (word("c", text, ["viridis", "cividis", "magma"]), {}),
-  k: (text) => ({ scale: word("k", text, SCALES) }),
-  s: (text) => ({ slot: word("s", text, SLOTS) === "a" ? 0 : 1 }),
-  f: (text) => ({ signature: text && isSignature(text) ? text : wrong("f", text, "give trap, twin, vortex, or one of these or focus for each point, such as trap.focus") }),
-  o: (text) => ({ obstacles: readObstacles(text) }),
-  e: (text) => ({ ear: place("e", cells("e", text, [3], "x,y,z in mm")) }),
-  g: (text) => ({ path: readPath(text) }),
-  b: (text) => ({ bead: readBead(text) }),
-  x: (text) => ({ options: readOptions(text) }),
+  c: [(text) => (word("c", text, ["viridis", "cividis", "magma"]), {}), () => null],
+  k: choice("k", "scale", SCALES, initial.scale),
+  s: [(text) => ({ slot: word("s", text, SLOTS) === "a" ? 0 : 1 }), ({ slot }) => (slot === 0 ? null : "b")],
+  f: [readSignature, ({ signature }) => signature || null],
+  o: [(text) => ({ obstacles: readObstacles(text) }), ({ obstacles }) => obstacles.map(writeObstacle).join("_") || null],
+  e: [(text) => ({ ear: place("e", cells("e", text, [3], "x,y,z in mm")) }), ({ ear }) => ear && ear.map(mm).join()],
+  g: [(text) => ({ path: readPath(text) }), ({ path }) => path && [path.kind, mm(path.kind === "circle" ? path.radius : path.length), path.frequency].join()],
+  b: [(text) => ({ bead: readBead(text) }), ({ bead }) => bead && [mm(bead.radius), bead.density, bead.sound_speed, ...bead.gravity].join()],
+  x: [(text) => ({ options: readOptions(text) }), ({ options }) => (Object.keys(options).length ? JSON.stringify(options) : null)],
 };
 
 function read(fragment: string): State {
@@ -192,10 +226,10 @@ function read(fragment: string): State {
   const seen = new Set<string>();
   for (const part of text === "" ? [] : text.split("&")) {
     const [, key, value] = /^([^=]*)=(.*)$/s.exec(part) ?? wrong("the link's part", part, "give key=value");
-    if (!Object.hasOwn(READERS, key)) wrong("a key", key, `give one of ${Object.keys(READERS).join(" ")}`);
+    if (!Object.hasOwn(PARTS, key)) wrong("a key", key, `give one of ${Object.keys(PARTS).join(" ")}`);
     if (seen.has(key)) wrong(key, value, "give it once");
     seen.add(key);
-    Object.assign(state, READERS[key](value, state));
+    Object.assign(state, PARTS[key][0](value, state));
   }
   if (text !== "" && !seen.has("v")) wrong("the link", text, "begin with v=1");
   return state;
@@ -210,48 +244,8 @@ export function readLink(fragment: string): State {
   }
 }
 
-/** Returns a length in m as mm, to 0.001. */
-function mm(length: number): string {
-  return String(Math.round(length * 1e6) / 1000 + 0);
-}
-
-function writeObstacle(each: Obstacle): string {
-  return "radius" in each
-    ? `ball,${each.center.map(mm)},${mm(each.radius)},${each.kind}`
-    : `wall,${each.point.map(mm)},${each.normal},${each.kind}`;
-}
-
-function writePath(path: NonNullable<State["path"]>): string {
-  return `${path.kind},${mm(path.kind === "circle" ? path.radius : path.length)},${path.frequency}`;
-}
-
 /** Returns the fragment (without #) of a state, with lengths to 0.001 mm. */
 export function writeLink(state: State): string {
-  const { array, pressures, filled, plane } = state;
-  const point = (at: Vec3, k: number) => [...at.map(mm), ...(pressures ? [`${filled.includes(k) ? "~" : ""}${pressures[k]}`] : [])].join();
-  const { absorption, density, bead, options } = state;
-  const air = absorption === null && density === null ? [] : [absorption, density];
-  const middle = plane.center.some((x) => mm(x) !== "0") ? plane.center.map(mm) : [];
-  const pairs: [string, string | null][] = [
-    ["v", "1"],
-    ["a", "preset" in array && !array.parts ? `${array.preset}.${array.tiles.join("x")}` : "own"],
-    ["l", state.quantization],
-    ["t", [state.temperature, ...air].join()],
-    ["m", state.methods.join(".")],
-    ["p", state.points.map(point).join("_")],
-    ["z", [mm(plane.z), mm(plane.size), ...middle].join()],
-    ["n", plane.axis === "z" ? null : plane.axis],
-    ["h", state.level === initial.level ? null : state.level],
-    ["w", state.view],
-    ["d", state.quantity === initial.quantity ? null : state.quantity],
-    ["k", state.scale === initial.scale ? null : state.scale],
-    ["s", state.slot === 0 ? null : "b"],
-    ["f", state.signature || null],
-    ["o", state.obstacles.map(writeObstacle).join("_") || null],
-    ["e", state.ear && state.ear.map(mm).join()],
-    ["g", state.path && writePath(state.path)],
-    ["b", bead && [mm(bead.radius), bead.density, bead.sound_speed, ...bead.gravity].join()],
-    ["x", Object.keys(options).length ? JSON.stringify(options) : null],
-  ];
-  return pairs.flatMap(([key, value]) => (value === null ? [] : [`${key}=${value}`])).join("&");
+  const written = Object.entries(PARTS).map(([key, [, write]]) => [key, write(state)]);
+  return written.flatMap(([key, value]) => (value === null ? [] : [`${key}=${value}`])).join("&");
 }
