@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from .._midair import Field, Plane, Solution, field
 from .colours import Quantity, beyond, colours, loud, of_pressures
-from .panel import add_bar, grid, paint, shape, sides
+from .panel import add_bar, frame, grid, paint, shape, sides
 from .plot import HEADROOM, picture, title
 from .words import heading, marks, number, place, reported, solver
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.collections import PolyCollection
     from matplotlib.figure import Figure, SubFigure
 
     from .colours import Map
@@ -23,9 +24,6 @@ if TYPE_CHECKING:
 
 #: Number of points for which the distance to the nearest other point is computed.
 SAMPLE = 200
-
-#: Pixels of the points' picture per sample of the field, on each side.
-FINER = 4
 
 #: The scale of differences extends at least to this fraction of the pressures' scale; otherwise tiny errors
 #: would look large.
@@ -51,14 +49,13 @@ def wanted_made_difference(
     scale = colours([field], quantity, loudest=top)
     wanted = of_pressures(field, solution.targets, scale)
     made = of_pressures(field, np.abs(solution.pressures).astype(np.float64), scale)
-    nearest = nearest_points(field)
     axes = figure.subplots(1, 3, sharex=True, sharey=True)
     ends = (scale.bottom, scale.top)
-    paint(field, axes[0], at_points(wanted, nearest), scale.map, ends)
+    at_points(field, axes[0], wanted, scale.map, ends)
     image = paint(field, axes[1], scale.values(field), scale.map, ends)
     apart = made - wanted
     end = min(max(float(np.abs(apart).max()), LEAST * scale.top), scale.top)
-    difference = paint(field, axes[2], at_points(apart, nearest), "RdBu_r", (-end, end))
+    difference = at_points(field, axes[2], apart, "RdBu_r", (-end, end))
     for ax, name in zip(axes, ("wanted", f"made, {place(field)}", "made - wanted"), strict=True):
         ax.set_title(name, fontsize="medium")
     for ax in axes[1:]:
@@ -69,36 +66,19 @@ def wanted_made_difference(
     figure.colorbar(difference, ax=axes[2], fraction=0.046, pad=0.03, label=scale.label, extend=extend)
 
 
-def at_points(values: NDArray[np.float64], nearest: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return values (M,) of the points as an image, masked where no point is near."""
-    shown: NDArray[np.float64] = np.ma.masked_where(nearest < 0, values[nearest])
-    return shown
+def at_points(
+    field: Field, ax: Axes, values: NDArray[np.float64], colour_map: Map, ends: tuple[float, float]
+) -> PolyCollection:
+    """Draw values (M,) of the points in the plane of a field, each as a square of at least a sample."""
+    from matplotlib.collections import PolyCollection
 
-
-def nearest_points(field: Field) -> NDArray[np.int64]:
-    """Return the nearest point's index for each pixel of an image finer than the field; -1 for none."""
-    axes = sides(field)
-    u, v = (_finer(getattr(field, "xyz"[axis])) for axis in axes)
-    points = field.scene.points[:, axes]
-    reach = max(_pitch(points) / 2, 2 * (u[1] - u[0]))
-    found = np.full((len(v), len(u)), -1, dtype=np.int64)
-    least = np.full(found.shape, np.inf)
-    for index, (x, y) in enumerate(points.tolist()):
-        columns = slice(*np.searchsorted(u, [x - reach, x + reach]).tolist())
-        rows = slice(*np.searchsorted(v, [y - reach, y + reach]).tolist())
-        away = (u[columns] - x) ** 2 + (v[rows, None] - y) ** 2
-        nearer = away < least[rows, columns]
-        least[rows, columns][nearer] = away[nearer]
-        found[rows, columns][nearer] = index
-    return found
-
-
-def _finer(samples: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the centres of finer pixels over the same length."""
-    step = samples[1] - samples[0]
-    edge, count = samples[0] - step / 2, FINER * len(samples)
-    middles: NDArray[np.float64] = edge + (np.arange(count) + 0.5) * step / FINER
-    return middles
+    left, right, *_ = frame(field, ax)
+    places = 1e3 * field.scene.points[:, sides(field)]
+    reach = max(_pitch(places), (right - left) / len(field.pressure)) / 2
+    corners = places[:, None] + reach * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    drawn = PolyCollection(list(corners), array=values, cmap=colour_map, clim=ends)
+    ax.add_collection(drawn)
+    return drawn
 
 
 def _pitch(points: NDArray[np.float64]) -> float:

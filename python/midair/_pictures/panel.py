@@ -196,28 +196,32 @@ def paint(
     ends
         Values at the two ends of the colour map.
     """
-    across, up = ("xyz"[axis] for axis in sides(field))
-    u, v = (getattr(field, name) * 1e3 for name in (across, up))
-    edge = (u[1] - u[0]) / 2
-    image = ax.imshow(
+    return ax.imshow(
         values,
         origin="lower",
-        extent=(u[0] - edge, u[-1] + edge, v[0] - edge, v[-1] + edge),
+        extent=frame(field, ax),
         cmap=colour_map,
         vmin=ends[0],
         vmax=ends[1],
         interpolation="nearest",
     )
+
+
+def frame(field: Field, ax: Axes) -> tuple[float, float, float, float]:
+    """Prepare axes for the plane of a field, with its obstacles; return their left, right, bottom and top."""
+    across, up = ("xyz"[axis] for axis in sides(field))
+    u, v = (getattr(field, name) * 1e3 for name in (across, up))
+    edge = (u[1] - u[0]) / 2
     # The grey background is visible where |p| is too small for a phase.
     ax.set_facecolor("lightgrey")
-    ax.set(xlim=(u[0] - edge, u[-1] + edge), ylim=(v[0] - edge, v[-1] + edge))
+    ax.set(xlim=(u[0] - edge, u[-1] + edge), ylim=(v[0] - edge, v[-1] + edge), aspect="equal")
     outline(field, ax, sides(field))
     # Panels with shared axes are labelled only at the left and at the bottom.
     if ax.xaxis.get_tick_params()["labelbottom"]:
         ax.set_xlabel(f"{across} / mm")
     if ax.yaxis.get_tick_params()["labelleft"]:
         ax.set_ylabel(f"{up} / mm")
-    return image
+    return u[0] - edge, u[-1] + edge, v[0] - edge, v[-1] + edge
 
 
 def add_bar(image: AxesImage, axes: Sequence[Axes], colours: Colours) -> None:
