@@ -16,6 +16,7 @@ from collections.abc import Callable, Hashable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import midair
@@ -176,13 +177,14 @@ ENDING, ENDLESS = (
 )
 
 
-#: How the playback of each kind of player may end: it sends no more, closes its connection, another client
-#: switches it off, its pattern ends; the hand is not seen, not told of, or its tracker leaves.
+#: How the playback of each kind of player may end, and after how many s the board is off then: it sends no
+#: more, closes its connection, another client switches it off, its pattern of 0.3 s ends; the hand is not
+#: seen, not told of, or its tracker leaves.
 ENDS = {
-    "game": ("hang", "leave", "off"),
-    "phone": ("hang", "leave", "off"),
-    "page": ("leave", "off", "end"),
-    "hand": ("leave", "off", "unseen", "untold", "untracked"),
+    "game": {"hang": SILENCE, "leave": 0, "off": 0},
+    "phone": {"hang": SILENCE, "off": 0},
+    "page": {"leave": 0, "off": 0, "end": 0.3},
+    "hand": {"leave": 0, "off": 0, "unseen": 0, "untold": HAND, "untracked": 0},
 }
 
 
@@ -224,14 +226,17 @@ class Stage:
             return self._news.wait_for(lambda: self.emits == emits, seconds)
 
 
-def history(stage: Stage, seed: int) -> None:
-    """Lets one source play while others only watch; it must play on until it ends, and then no longer."""
+def history(stage: Stage, seed: int) -> tuple[str, float]:
+    """Lets one source play while others only watch; it must play on until it ends, and then no longer.
+
+    Returns how it ended, and the time in s by which the board was off later than stated.
+    """
     from pythonosc.osc_message_builder import OscMessageBuilder
     from websockets.sync.client import connect
 
     draw, server = random.Random(seed), stage.server
     player = draw.choice(("game", "phone", "page", "hand"))
-    end = draw.choice(ENDS[player])
+    end = draw.choice(list(ENDS[player]))
     shown = (seed, player, end)
     gaps: list[float] = []
     phone = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -292,17 +297,20 @@ def history(stage: Stage, seed: int) -> None:
             # A busy computer may be silent by itself.
             assert steady or max(gaps) > SILENCE / 2, shown
         ends: dict[str, Callable[[], object]] = {
-            "leave": {"game": game, "page": page, "hand": page}.get(player, phone).close,
+            "leave": (game if player == "game" else page).close,
             "off": lambda: monitor.send('{"off": true}'),
             "unseen": lambda: tracker.send(tracked(False)),
             "untracked": tracker.close,
         }
-        ends.get(end, lambda: None)()
-        watching = threading.Thread(target=watch, args=(HAND + LATE + 0.2,))
+        stated, begin = ENDS[player][end], time.monotonic()
+        watching = threading.Thread(target=watch, args=(stated + LATE + 0.2,))
         watching.start()
-        assert stage.becomes(False, HAND + LATE), shown
+        ends.get(end, lambda: None)()
+        assert stage.becomes(False, stated + LATE), shown
+        late = time.monotonic() - begin - stated
         assert stage.stays(False, 0.15), shown
         watching.join()
+    return f"{player}, {end}", late
 
 
 @pytest.mark.slow
@@ -311,6 +319,7 @@ def test_no_real_history_leaves_a_board_emitting_and_none_silences_who_plays(tmp
     pytest.importorskip("pythonosc")
     seeds = iter(range(REAL))
     failed: list[BaseException] = []
+    late: dict[str, list[float]] = {}
 
     def play(folder: Path) -> None:
         folder.mkdir()
@@ -318,7 +327,8 @@ def test_no_real_history_leaves_a_board_emitting_and_none_silences_who_plays(tmp
         with stage.server:
             for seed in seeds:
                 try:
-                    history(stage, seed)
+                    end, after = history(stage, seed)
+                    late.setdefault(end, []).append(after)
                 except BaseException as error:
                     failed.append(error)
 
@@ -329,4 +339,8 @@ def test_no_real_history_leaves_a_board_emitting_and_none_silences_who_plays(tmp
         thread.start()
     for thread in threads:
         thread.join()
+    for end, each in sorted(late.items()):
+        print(
+            f"{end}: off {np.median(each):.3f} s later than stated, at most {max(each):.3f} s, of {len(each)}"
+        )
     assert not failed, failed
