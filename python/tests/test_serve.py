@@ -8,8 +8,10 @@ import math
 import re
 import signal
 import socket
+import struct
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from typing import Any
@@ -194,6 +196,28 @@ def test_a_backlog_counts_by_its_time_of_arrival(server: PointServer, flood: str
         assert until(server, "off") < SILENCE + 0.5
 
 
+@pytest.mark.slow
+def test_at_most_4000_messages_of_a_sender_wait(server: PointServer, monkeypatch: pytest.MonkeyPatch) -> None:
+    """While the server is busy, a sender lets 8 bundles of 1,000 messages wait: the last 4 are dropped."""
+    from midair._serve import server as module
+
+    obeyed: list[str] = []
+    monkeypatch.setattr(module, "obey_osc", lambda live, sender, name, values: obeyed.append(name) or {})
+    one, go = osc("keep", server.token), threading.Event()
+    bundle = b"#bundle\0" + bytes(8) + 1000 * (struct.pack(">i", len(one)) + one)
+    server._work.submit(go.wait)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as phone:
+        for _ in range(8):
+            phone.sendto(bundle, ("127.0.0.1", server.osc))
+            time.sleep(0.1)
+        go.set()
+        server._work.submit(int).result(20)
+        # Then there is room again.
+        phone.sendto(osc("off", server.token), ("127.0.0.1", server.osc))
+        time.sleep(0.3)
+    assert obeyed == [*["keep"] * 4000, "off"]
+
+
 def masked(text: str) -> bytes:
     """Returns a text frame of WebSocket from a client, with a mask of zeros."""
     assert len(text) < 126
@@ -239,6 +263,27 @@ def test_a_message_wakes_a_server_at_rest() -> None:
         assert frames <= 2
         assert live.metrics()["points"] == [[0.02, 0, 0.1]]
         live.close()
+
+
+@pytest.mark.slow
+def test_frames_that_come_late_are_counted(server: PointServer, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each frame of this slow board comes later than two periods after it is due."""
+    board = server._live.connection
+    send, sent = board.send, 0
+
+    def slow(drive: Any) -> None:
+        nonlocal sent
+        time.sleep(2.5 / server._live.rate)
+        send(drive)
+        sent += 1
+
+    monkeypatch.setattr(board, "send", slow)
+    with connect(server.address, max_queue=None) as game:
+        for k in range(20):
+            game.send(json.dumps({"points": [[1e-3 * k, 0, 0.1]]}))
+            time.sleep(0.02)
+        server._live.off()
+        assert server._live.state()["late"] == sent > 5
 
 
 @pytest.mark.slow

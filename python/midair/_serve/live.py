@@ -103,7 +103,7 @@ class Live:
         # The thread below alone writes what follows.
         self._current: Wanted | None = None
         self._played: tuple[Frame, NDArray[np.complex64]] | None = None
-        self._delay = 0.0
+        self._delay, self._late = 0.0, 0
         self._kept = -math.inf
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
@@ -173,7 +173,7 @@ class Live:
     def state(self) -> dict[str, Any]:
         """Return the board's state, its counts of frames, and the error that ended the last playback."""
         stats, failed = self.connection.stats, self.failed
-        counts = {"frames": stats.frames, "late": stats.late, "lapses": stats.lapses}
+        counts = {"frames": stats.frames, "late": self._late, "lapses": stats.lapses}
         return {"state": self.connection.state, **counts, "error": None if failed is None else failed[1]}
 
     def metrics(self) -> dict[str, Any]:
@@ -281,6 +281,7 @@ class Live:
                 self.connection.send(played)
                 last, now = code, time.monotonic()
                 self._kept, self._delay = now, now - due
+                self._late += self._delay > 2 * period
                 # After a late frame the following ones are due later, too.
                 due = max(due + period, now - period)
             if not self._pause(math.inf if resting else due, playing):

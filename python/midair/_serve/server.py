@@ -183,26 +183,29 @@ class PointServer(AbstractContextManager["PointServer"]):
         with suppress(OSError, SceneError):
             content, sender = self._udp.recvfrom(MOST_BYTES)
             if self.token.encode() in content:
-                self._take(sender, time.monotonic(), self._obey_osc, osc.messages(content), sender)
+                parts = osc.messages(content)
+                self._take(sender, time.monotonic(), self._obey_osc, parts, sender, count=len(parts))
 
     def _knows(self, shown: Any) -> bool:
         """Return whether this is the token."""
         return isinstance(shown, str) and hmac.compare_digest(shown.encode(), self.token.encode())
 
-    def _take(self, source: Hashable, at: float, obey: Callable[..., None], *arguments: Any) -> bool:
-        """Note a sign of life, and let a message be executed; return False if too many of its source wait."""
+    def _take(
+        self, source: Hashable, at: float, obey: Callable[..., None], *arguments: Any, count: int = 1
+    ) -> bool:
+        """Note a sign of life, and let messages be executed; return False if too many of a source wait."""
         with self._live.life() as life:
             life.sign(source, at)
-            if self._waiting[source] >= MOST_WAITING:
+            if self._waiting[source] + count > MOST_WAITING:
                 life.leave(source)
                 return False
-        self._waiting[source] += 1
+        self._waiting[source] += count
         executed = self._loop.run_in_executor(self._work, obey, *arguments)
-        executed.add_done_callback(lambda _: self._forget(source))
+        executed.add_done_callback(lambda _: self._forget(source, count))
         return True
 
-    def _forget(self, source: Hashable) -> None:
-        self._waiting[source] -= 1
+    def _forget(self, source: Hashable, count: int) -> None:
+        self._waiting[source] -= count
         if not self._waiting[source]:
             del self._waiting[source]
 
