@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 
 from marked import put, table
 from midair._cli.progress import progress_bar
-from midair._reproduce import FIGURES, fig2, fig5, reproduce, tables
+from midair._reproduce import FIGURES, fig2, reproduce, tables
 from pictures import DOCS, ROOT, reduce
 
 #: The verdicts as the page's sentence has them.
@@ -36,8 +34,9 @@ def parts(place: Path) -> dict[str, str]:
     found = {"statements": f"Of {len(outcomes)} statements, {counts}.\n"}
     for name in FIGURES:
         judged = [[it.statement, f"**{it.verdict}**", it.evidence] for it in verdicts[name]]
-        of_paper = table(["the paper says", "we find", "by these numbers"], judged)
-        found[name] = f"{TABLES[name](rows[name])}\n{of_paper}"
+        found[name] = table(["the paper says", "we find", "by these numbers"], judged)
+    for name, own in (("fig2", pattern), ("fig7", foci)):
+        found[name] = f"{own(rows[name])}\n{found[name]}"
     return found
 
 
@@ -49,27 +48,6 @@ def pattern(rows: tables.Rows) -> str:
         first = tables.pick(rows, method=key)[0]
         lines.append([first["label"], *(f"{first[name]:.3f}" for name in names), str(fig2.lost(rows, key))])
     return table(["method", *names, "lost points"], lines)
-
-
-def wide(rows: tables.Rows, x: str, cell: Callable[[tables.Row], str]) -> tuple[list[str], list[list[str]]]:
-    """Returns head and lines of a table with a row for each method and a column for each value of x."""
-    sizes = dict.fromkeys(str(row[x]) for row in rows)
-    methods = [tables.pick(rows, method=key) for key in tables.labels(rows)]
-    return [f"{x} =", *sizes], [[mine[0]["label"], *map(cell, mine)] for mine in methods]
-
-
-def means(rows: tables.Rows, factor: float, digits: int) -> str:
-    """Returns a table of figs. 3 and 4: means, and the largest half of their confidence intervals."""
-    half = max(row["high"] - row["low"] for row in rows) / 2
-    head, lines = wide(rows, "M", lambda row: f"{factor * row['mean']:.{digits}f}")
-    return table([f"± {factor * half:.{digits}f} at most; {head[0]}", *head[1:]], lines)
-
-
-def times(rows: tables.Rows, x: str) -> str:
-    """Returns the table of figs. 5 and 6: medians in ms, and slopes."""
-    head, lines = wide(rows, x, lambda row: f"{1e3 * row['median']:.3g}")
-    slopes = (fig5.stated_slope(tables.pick(rows, method=key)[0]) for key in tables.labels(rows))
-    return table([*head, "slope"], [[*line, slope] for line, slope in zip(lines, slopes, strict=True)])
 
 
 def foci(rows: tables.Rows) -> str:
@@ -88,13 +66,3 @@ def foci(rows: tables.Rows) -> str:
             for row in rows
         ],
     )
-
-
-TABLES: dict[str, Callable[[tables.Rows], str]] = {
-    "fig2": pattern,
-    "fig3": partial(means, factor=100, digits=1),
-    "fig4": partial(means, factor=1, digits=4),
-    "fig5": partial(times, x="M"),
-    "fig6": partial(times, x="N"),
-    "fig7": foci,
-}
