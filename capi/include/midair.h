@@ -386,8 +386,22 @@ midair_result midair_session_solve(midair_session *session,
                                    char *message,
                                    size_t message_size);
 
+// Returns the number M of points of the session's last solution; 0 if there is none, and for a session in use by another
+// thread.
+size_t midair_session_points(const midair_session *session);
+
+// Writes the complex pressures (count,) in Pa (peak) of the session's last solution, its scale applied, and its points
+// (count, 3) in m; count is midair_session_points(). points may be NULL. With a signature the pressures are those of the foci
+// before they become traps; midair_session_field() computes the real ones.
+midair_result midair_session_pressures(midair_session *session,
+                                       midair_complex *pressures,
+                                       double *points,
+                                       size_t count,
+                                       char *message,
+                                       size_t message_size);
+
 // Computes the metrics of a drive (transducers,) at points (count, 3) in m, in double precision; pressures and weights
-// (count,) are as in midair_session_solve().
+// (count,) are as in midair_session_solve(). With 0 points, a session made from a scene refers to the scene's own request.
 midair_result midair_session_judge(midair_session *session,
                                    const midair_complex *drive,
                                    size_t transducers,

@@ -262,8 +262,46 @@ pub unsafe extern "C" fn midair_session_solve(
     })
 }
 
+/// Returns the number M of points of the session's last solution; 0 if there is none, and for a session in use by another
+/// thread.
+#[unsafe(no_mangle)]
+pub extern "C" fn midair_session_points(session: Option<&Session>) -> usize {
+    let state = session.and_then(|session| session.state().ok());
+    state.and_then(|state| Some(state.session.solution()?.pressures.len())).unwrap_or_default()
+}
+
+/// Writes the complex pressures (count,) in Pa (peak) of the session's last solution, its scale applied, and its points
+/// (count, 3) in m; count is midair_session_points(). points may be NULL. With a signature the pressures are those of the foci
+/// before they become traps; midair_session_field() computes the real ones.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_session_pressures(
+    session: *mut Session,
+    pressures: *mut Complex,
+    points: *mut f64,
+    count: usize,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        // SAFETY: the caller guarantees valid arguments.
+        let state = unsafe { Session::behind(session) }?.state()?;
+        let cure = "call midair_session_solve() before";
+        let solution = state.session.solution().ok_or_else(|| Error::missing("solution", "not there", cure))?;
+        let own = solution.requested().0.control_points().unwrap_or_default();
+        room("pressures", pressures, count, own.len())?;
+        // SAFETY: `room` was checked, and the caller guarantees the buffers; both complex types are two consecutive f32.
+        unsafe {
+            if !points.is_null() {
+                fill("points", points.cast::<[f64; 3]>(), count, own)?;
+            }
+            write(pressures.cast(), &solution.pressures);
+        }
+        Ok("")
+    })
+}
+
 /// Computes the metrics of a drive (transducers,) at points (count, 3) in m, in double precision; pressures and weights
-/// (count,) are as in midair_session_solve().
+/// (count,) are as in midair_session_solve(). With 0 points, a session made from a scene refers to the scene's own request.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_judge(
     session: *mut Session,
@@ -283,11 +321,13 @@ pub unsafe extern "C" fn midair_session_judge(
         // SAFETY: the caller guarantees the lists.
         let (drive, Lists { points, pressures, weights }) =
             unsafe { (read_drive(drive, transducers)?, Lists::read(points, pressures, weights, count)?) };
-        let list = |values: Option<&[f64]>| values.map(<[_]>::to_vec);
-        let request = Request { pressures: list(pressures), phases: None, weights: list(weights) };
+        let mut ask = SolveRequest::default();
+        ask.write(points, [pressures, None, weights]);
+        let SolveRequest { points, request, .. } =
+            state.scene_request.as_ref().filter(|_| points.is_empty()).unwrap_or(&ask);
         let control = &mut Control::none();
         let judged =
-            Problem::of_model(&state.model, points, &request, control)?.judge(drive, Precision::Double, control)?;
+            Problem::of_model(&state.model, points, request, control)?.judge(drive, Precision::Double, control)?;
         // SAFETY: the caller guarantees the buffer.
         unsafe { fill("metrics", metrics, 1, &[judged.into()]) }
     })

@@ -108,6 +108,7 @@ static void all(size_t call)
     granted(midair_session_set_text(session, "balance", "true", message, sizeof message));
     granted(midair_session_set_number(session, "seed", (double)call, message, sizeof message));
     granted(midair_session_solve(session, point, NULL, NULL, 1, drive, N, NULL, message, sizeof message));
+    granted(midair_session_pressures(session, &pressure, NULL, midair_session_points(session), message, sizeof message));
     granted(midair_session_judge(session, drive, N, point, NULL, NULL, 1, &metrics, message, sizeof message));
     granted(midair_session_field(session, drive, N, point, 1, &pressure, message, sizeof message));
     if (call % 10 == 0) {

@@ -236,6 +236,17 @@ def test_what_is_refused_writes_nothing(library: Library, have: SimpleNamespace)
     assert answer[0].tolist() == (9,) * 9
 
 
+def test_pressures_are_those_of_a_solution(library: Library, have: SimpleNamespace) -> None:
+    session, pressures = library.session(have.array, "naive"), np.full(2, 9, np.complex64)
+    call = ("session_pressures", session, pressures, None)
+    assert library.plain("session_points", session) == 0
+    assert library.call(*call, 1) == (INVALID, "solution is not there: call midair_session_solve() before")
+    library.call(*solve(have, session=session))
+    assert library.call(*call, 2) == (INVALID, "pressures is room for 2: give room for 1")
+    assert (pressures == 9).all()
+    library.plain("session_free", session)
+
+
 def test_too_much_memory_has_its_own_result(library: Library, have: SimpleNamespace) -> None:
     session = library.session(have.array, "evd")
     points = np.random.default_rng(0).uniform(0.1, 0.2, (33000, 3))

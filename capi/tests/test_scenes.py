@@ -53,6 +53,16 @@ def test_a_scene_from_text(library: Library, name: str, toml: bool) -> None:
         assert [answer[metric] for metric in METRICS] == [
             getattr(solution.metrics, metric) for metric in METRICS
         ]
+        count = library.plain("session_points", session)
+        assert count == len(scene.points)
+        pressures, points = np.zeros(count, np.complex64), np.zeros((count, 3))
+        library.done("session_pressures", session, pressures, points, count)
+        assert pressures.tobytes() == solution.pressures.astype(np.complex64).tobytes()
+        np.testing.assert_array_equal(points, scene.points)
+        judged = midair.judge(scene, solution.drive, precision="double")
+        metrics = np.zeros(len(METRICS))
+        library.done("session_judge", session, drive, len(drive), None, None, None, 0, metrics)
+        assert metrics.tolist() == [getattr(judged, metric) for metric in METRICS]
         # A call with points of the caller solves another request; the next call without points solves the
         # scene's own request again.
         library.solve(session, len(scene.array), np.array([[0.0, 0.01, 0.14]]))

@@ -242,7 +242,8 @@ impl Propagation {
     }
 
     /// The points (M, 3) in m; `None` for a user's own matrix.
-    pub(crate) fn control_points(&self) -> Option<&[[f64; 3]]> {
+    #[must_use]
+    pub fn control_points(&self) -> Option<&[[f64; 3]]> {
         self.origin().map(|(_, points, _)| points)
     }
 
