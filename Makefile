@@ -16,7 +16,7 @@ CORE := -p midair --no-default-features --features scene-file,parallel
 SHOWN := naive,greedy,uniform
 BUILT := $(or $(CARGO_TARGET_DIR),target)/release
 PREFIX := /usr/local
-CODE := python capi bench book firmware fuzz gateware examples
+CODE := python capi bench book firmware fuzz gateware examples matlab
 RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml python/build.rs $(wildcard python/stubs/*.py) $(shell find core/src python/src -name '*.rs')
 
 # A step prints its name, with the expected time on two cores without earlier builds; then the time that it took, or its
@@ -24,7 +24,7 @@ RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml python/build.rs 
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-serve test-long gateware test-studio npm test-npm unity test-unity lint fuzz sanitize bench bench-capi bench-peers measured pictures look docs generated api schema golden map header pins wheels release clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-serve test-long gateware test-studio npm test-npm unity test-unity matlab test-matlab lint fuzz sanitize bench bench-capi bench-peers measured pictures look docs generated api schema golden map header pins wheels release clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -80,7 +80,7 @@ $(BUILT)/libmidair.so:
 	$(MAKE) --no-print-directory capi
 
 test: outlook lint test-rust test-python ## The core's tests and the package's (the C library's: test-capi)
-	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-studio, test-npm, test-unity, test-firmware, test-boards, test-serve, test-long (Ctrl-C, flights, the wheel, docs/extending.md, the oldest Rust), test-portable, fuzz, sanitize"
+	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-studio, test-npm, test-unity, test-matlab, test-firmware, test-boards, test-serve, test-long (Ctrl-C, flights, the wheel, docs/extending.md, the oldest Rust), test-portable, fuzz, sanitize"
 
 outlook:
 	@echo "make test: lint, the core's tests, the package's tests; 18 minutes on two cores, a third of it when built before."
@@ -150,13 +150,20 @@ test-unity: setup capi ## The scripts for Unity without Unity (Debian's mono-mcs
 	@command -v mcs > /dev/null && command -v mono > /dev/null || { echo "test-unity needs mcs and mono: install Mono (Debian: mono-mcs, mono-runtime)"; exit 1; }
 	$(call step,Unity: scripts compiled and run by Mono (30 s),$(PYTHON) -m pytest capi/tests/test_unity.py)
 
+matlab: capi ## The package for MATLAB and Octave: compile matlab/midair_mex.c for Octave (Debian's octave, octave-dev)
+	@command -v octave-cli > /dev/null && command -v mkoctfile > /dev/null || { echo "matlab needs octave-cli and mkoctfile: install Octave (Debian: octave, octave-dev)"; exit 1; }
+	$(call step,MATLAB: midair_mex.c compiled for Octave (5 s),cd matlab && octave-cli --norc --quiet --eval "midair_build('$(abspath $(BUILT))/libmidair.a')")
+
+test-matlab: .venv/extension matlab ## MATLAB's functions in Octave: the bits of Python, 1,000 bad calls, memory, pages (2 min once built)
+	$(call step,MATLAB: tests in Octave (2 min),$(PYTHON) -m pytest matlab/tests)
+
 lint: .venv/ready ## Formatting, clippy, rustdoc, ruff, spelling: warnings are errors
 	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)
 	$(call step,lint: clippy on the core and the extension and the C library (1 min),$(CARGO) clippy --workspace --all-targets --features midair/scene-file --features midair/parallel -- -D warnings)
 	$(call step,lint: the core's documentation (5 s),RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps $(CORE))
 	$(call step,lint: Python (2 s),$(BIN)/ruff check $(CODE))
 	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check $(CODE))
-	$(call step,lint: words are spelt right (2 s),$(BIN)/codespell *.md docs book core python capi bench examples firmware studio/src)
+	$(call step,lint: words are spelt right (2 s),$(BIN)/codespell *.md docs book core python capi bench examples firmware matlab studio/src)
 	$(call step,lint: words that docs/style.md replaces (1 s),book/words.sh)
 
 fuzz: fuzz/.tools/bin/cargo-fuzz fuzz/.venv/ready ## Guided fuzzing, recorded (TIME=60 seconds or RUNS a target, TARGETS="scene solve")

@@ -23,7 +23,7 @@ def code(page: Path) -> list[tuple[str, str]]:
 def bare(language: str, block: str) -> str:
     """Returns a code block without the parts that a translation may change."""
     if language != "python":
-        return re.sub(r" *#.*", "", block)
+        return re.sub(r" *%.*" if language == "matlab" else r" *#.*", "", block)
     tree = ast.parse(block)
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef) and ast.get_docstring(node):
