@@ -1,5 +1,5 @@
 function midair_build(library)
-  % midair_build  Compiles midair_mex.c with midair's C library.
+  % midair_build  Compiles midair_mex.c with midair's C library. Run it in the folder of this file.
   %
   %   midair_build(library) takes the static library of this file name. By default it is ../target/release/libmidair.a,
   %   which `make capi` builds.

@@ -67,11 +67,10 @@ static void refuse(const char *code, const char *format, ...)
 /* Makes the errors and warnings of a call of the library. */
 static void check(midair_result result)
 {
-    const char *line;
     if (result != MIDAIR_RESULT_OK) {
         report("error", midair_last_code(), message);
     }
-    for (line = strtok(message, "\n"); line != NULL; line = strtok(NULL, "\n")) {
+    for (const char *line = strtok(message, "\n"); line != NULL; line = strtok(NULL, "\n")) {
         report("warning", "scene", line);
     }
 }
@@ -201,8 +200,7 @@ static void open_scene(mxArray **out, Inputs in)
 {
     const char *scene = text("scene", in[0]), *folder = text("folder", in[1]);
     size_t k = 0;
-    while (k < PLACES && sessions[k] != NULL) {
-        k++;
+    for (; k < PLACES && sessions[k] != NULL; k++) {
     }
     if (k == PLACES) {
         refuse("memory", "%d scenes are open: clear some", PLACES);
@@ -342,8 +340,7 @@ void mexFunction(int outputs, mxArray *out[], int inputs, const mxArray *in[])
     if (inputs > 0 && mxIsChar(in[0])) {
         mxGetString(in[0], name, sizeof name);
     }
-    while (k < count && strcmp(name, commands[k].name) != 0) {
-        k++;
+    for (; k < count && strcmp(name, commands[k].name) != 0; k++) {
     }
     if (k == count || inputs - 1 > commands[k].inputs || outputs > 1) {
         refuse("unknown", "midair_mex has no such call \"%s\" of %d inputs: see the help of midair.solve", name, inputs - 1);
