@@ -1,8 +1,7 @@
 /* midair_mex: the C library of midair in MATLAB and Octave. midair_build compiles this file.
  *
- * midair_mex(COMMAND, ...) makes one call of the library. Only the functions of +midair call it. They pass points as 3 x M, which
- * is the order of the library. The sessions of scenes stand in a table. MATLAB has only their places in it, so no number can be
- * an address that is not there.
+ * midair_mex(COMMAND, ...) makes one call of the library. Only the functions of +midair call it. The sessions of scenes stand in
+ * a table. MATLAB has only their places in it, so no number can be an address that is not there.
  *
  * Real and imaginary parts are separate arrays: this is the API that `mex` of MATLAB and Octave takes by default. In the
  * interleaved API of Octave 7, complex arrays have half of their memory.
@@ -21,16 +20,7 @@
 /* The most scenes that are open at a time. */
 #define PLACES 4096
 
-/* The most inputs of a command. Those that the caller leaves out are NULL. */
-#define INPUTS 5
-
 typedef const mxArray *const *Inputs;
-
-/* Points (count, 3), and pressures and weights (count,), which may be NULL. */
-typedef struct {
-    const double *points, *pressures, *weights;
-    size_t count;
-} Request;
 
 /* The sessions of open scenes; NULL at a free place. */
 static midair_session *sessions[PLACES];
@@ -115,38 +105,37 @@ static const double *reals(const char *item, const mxArray *input)
     return mxGetPr(input);
 }
 
+/* Returns points row by row. */
 static const double *points(const mxArray *input, size_t *count)
 {
-    const double *points = reals("points", input);
-    *count = points == NULL ? 0 : mxGetN(input);
-    if (points != NULL && (mxGetM(input) != 3 || *count == 0)) {
-        refuse("shape", "points is %zu x %zu: give M x 3, a row for each point", *count, (size_t)mxGetM(input));
+    const double *columns = reals("points", input);
+    *count = columns == NULL ? 0 : mxGetM(input);
+    if (columns != NULL && (mxGetN(input) != 3 || *count == 0)) {
+        refuse("shape", "points is %zu x %zu: give M x 3, a row for each point", *count, (size_t)mxGetN(input));
     }
-    return points;
+    double *rows = mxMalloc((3 * *count + 1) * sizeof *rows);
+    for (size_t k = 0; k < 3 * *count; k++) {
+        rows[k] = columns[k / 3 + *count * (k % 3)];
+    }
+    return rows;
 }
 
 /* Returns a number for each of count points. */
 static const double *numbers(const char *item, const mxArray *input, size_t count)
 {
-    const double *given = reals(item, input);
-    size_t size = given == NULL ? count : mxGetNumberOfElements(input);
-    double *list = mxMalloc((count + 1) * sizeof *list);
-    if (given != NULL && (count == 0 || (size != 1 && size != count))) {
+    const double *values = reals(item, input);
+    size_t size = values == NULL ? 0 : mxGetNumberOfElements(input);
+    if (values != NULL && (count == 0 || (size != 1 && size != count))) {
         refuse("shape", "%s has %zu numbers for %zu points: give points, and one number or one for each", item, size, count);
     }
-    for (size_t k = 0; given != NULL && k < count; k++) {
-        list[k] = given[size == 1 ? 0 : k];
+    if (size != 1) {
+        return values;
     }
-    return given == NULL ? NULL : list;
-}
-
-static Request request(Inputs in)
-{
-    Request request;
-    request.points = points(in[0], &request.count);
-    request.pressures = numbers("pressures", in[1], request.count);
-    request.weights = numbers("weights", in[2], request.count);
-    return request;
+    double *list = mxMalloc(count * sizeof *list);
+    for (size_t k = 0; k < count; k++) {
+        list[k] = values[0];
+    }
+    return list;
 }
 
 static midair_complex *room(size_t count) { return mxCalloc(count + 1, sizeof(midair_complex)); }
@@ -214,16 +203,20 @@ static void solve(mxArray **out, Inputs in)
     static const char *const statuses[] = {"done", "out_of_steps", "stopped", "missed"};
     const char *names[] = {"drive", "points", "pressures", "status", "steps", "scale", "metrics"};
     midair_session *session = *find(in[0]);
-    Request wanted = request(in + 1);
-    size_t transducers = midair_session_transducers(session);
+    size_t transducers = midair_session_transducers(session), count;
+    const double *requested = points(in[1], &count);
     midair_complex *drive = room(transducers);
     midair_answer answer;
-    check(midair_session_solve(session, wanted.points, wanted.pressures, wanted.weights, wanted.count, drive, transducers,
-                               &answer, message, sizeof message));
-    size_t count = midair_session_points(session);
+    check(midair_session_solve(session, requested, numbers("pressures", in[2], count), numbers("weights", in[3], count),
+                               count, drive, transducers, &answer, message, sizeof message));
+    count = midair_session_points(session);
     midair_complex *pressures = room(count);
-    mxArray *places = mxCreateDoubleMatrix(3, count, mxREAL);
-    check(midair_session_pressures(session, pressures, mxGetPr(places), count, message, sizeof message));
+    double *rows = mxMalloc((3 * count + 1) * sizeof *rows);
+    check(midair_session_pressures(session, pressures, rows, count, message, sizeof message));
+    mxArray *places = mxCreateDoubleMatrix(count, 3, mxREAL);
+    for (size_t k = 0; k < 3 * count; k++) {
+        mxGetPr(places)[k / 3 + count * (k % 3)] = rows[k];
+    }
     mxArray *values[] = {complexes(drive, transducers, 1),           places,
                          complexes(pressures, count, 1),             mxCreateString(statuses[answer.status]),
                          mxCreateDoubleScalar((double)answer.steps), mxCreateDoubleScalar(answer.scale),
@@ -243,12 +236,12 @@ static void field(mxArray **out, Inputs in)
 
 static void judge(mxArray **out, Inputs in)
 {
-    size_t transducers;
+    size_t transducers, count;
     const midair_complex *drive = drives(in[1], &transducers);
-    Request wanted = request(in + 2);
+    const double *places = points(in[2], &count);
     midair_metrics metrics;
-    check(midair_session_judge(*find(in[0]), drive, transducers, wanted.points, wanted.pressures, wanted.weights,
-                               wanted.count, &metrics, message, sizeof message));
+    check(midair_session_judge(*find(in[0]), drive, transducers, places, numbers("pressures", in[3], count),
+                               numbers("weights", in[4], count), count, &metrics, message, sizeof message));
     *out = metrics_of(&metrics);
 }
 
@@ -330,7 +323,7 @@ static const struct {
 
 void mexFunction(int outputs, mxArray *out[], int inputs, const mxArray *in[])
 {
-    const mxArray *all[INPUTS] = {NULL};
+    const mxArray *all[5] = {NULL}; /* inputs that the caller leaves out are NULL */
     char name[16] = "";
     size_t k = 0, count = sizeof commands / sizeof *commands;
     if (!mexIsLocked()) {

@@ -14,5 +14,5 @@ function pressures = field(scene, drive, points)
   %   See also midair.solve, midair.judge
   if nargin == 2, [points, drive, scene] = deal(drive, scene.drive * scene.scale, scene.scene); end
   if ~isobject(scene), scene = midair.opened(scene, points); end
-  pressures = midair_mex('field', scene.id, double(drive(:)), points.');
+  pressures = midair_mex('field', scene.id, double(drive(:)), points);
 end

@@ -1,4 +1,4 @@
-function metrics = judge(scene, drive, points, varargin)
+function metrics = judge(scene, drive, varargin)
   % midair.judge  Computes the metrics of any drive, in double precision.
   %
   %   metrics = midair.judge(scene, drive) refers to the request of the scene.
@@ -11,7 +11,6 @@ function metrics = judge(scene, drive, points, varargin)
   %     metrics = midair.judge(scene, ones(249, 1), [-0.02 0 0.15; 0.02 0 0.15], 1500);
   %
   %   See also midair.solve, midair.field
-  if nargin < 3, points = []; end
-  if ~isobject(scene), scene = midair.opened(scene, points); end
-  metrics = midair_mex('judge', scene.id, double(drive(:)), points.', varargin{:});
+  if ~isobject(scene), scene = midair.opened(scene, varargin{:}); end
+  metrics = midair_mex('judge', scene.id, double(drive(:)), varargin{:});
 end

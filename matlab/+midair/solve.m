@@ -1,4 +1,4 @@
-function solution = solve(scene, points, varargin)
+function solution = solve(scene, varargin)
   % midair.solve  Computes a drive, so that the pressures at points are what the scene requests.
   %
   %   solution = midair.solve(scene) solves the request of a scene: a struct, a text or a midair.Scene.
@@ -24,9 +24,7 @@ function solution = solve(scene, points, varargin)
   %     loudest = max(abs(solution.pressures));
   %
   %   See also midair.Scene, midair.field, midair.judge, midair.encode
-  if nargin < 2, points = []; end
-  if ~isobject(scene), scene = midair.opened(scene, points); end
-  solution = midair_mex('solve', scene.id, points.', varargin{:});
-  solution.points = solution.points.';
+  if ~isobject(scene), scene = midair.opened(scene, varargin{:}); end
+  solution = midair_mex('solve', scene.id, varargin{:});
   solution.scene = scene;
 end

@@ -57,10 +57,10 @@ function bad_inputs
     @(x) midair_mex('open', x, ''), [scenes numbers]
     @(x) midair_mex('open', jsonencode(content), x), numbers
     @(x) midair_mex('close', x), places
-    @(x) midair_mex('solve', x, P.'), places
-    @(x) midair_mex('solve', scene.id, x), [never points([1 3:end])]
-    @(x) midair_mex('field', x, q, P.'), places
-    @(x) midair_mex('field', scene.id, x, P.'), [drives never]
+    @(x) midair_mex('solve', x, P), places
+    @(x) midair_mex('solve', scene.id, x), [never points]
+    @(x) midair_mex('field', x, q, P), places
+    @(x) midair_mex('field', scene.id, x, P), [drives never]
     @(x) midair_mex('judge', x, q), places
     @(x) midair_mex('sequence', x), places
     @(x) midair_mex('encode', x, 'mega64', q), places
