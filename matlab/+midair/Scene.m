@@ -22,8 +22,8 @@ classdef Scene < handle
   %     end
   %
   %   See also midair.solve, midair.field, midair.judge, midair.sequence, midair.encode
-  properties (SetAccess = private)
-    id = 0  % the place of the session in midair_mex
+  properties (Hidden)
+    id = 0  % the place of the session in midair_mex; public, because Octave runs delete outside of the class after `clear -f`
   end
   methods
     function scene = Scene(content, folder)

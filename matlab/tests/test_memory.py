@@ -8,3 +8,18 @@ def test_many_calls_take_no_more_memory(octave: Callable[[str], str]) -> None:
     assert unit == "kB"
     # A leak of 4 bytes a call would be 352 kB.
     assert int(grown) < 256
+
+
+def test_scenes_are_closed_after_their_functions_are_cleared(octave: Callable[[str], str]) -> None:
+    octave("""
+    content.array.preset = 'autd3';
+    scene = midair.Scene(setfield(content, 'points', [0 0 0.15]));
+    copy = scene;
+    clear midair_mex scene
+    solution = midair.solve(copy);
+    lastwarn('');
+    clear -f
+    clear copy solution
+    assert(isempty(lastwarn()), lastwarn());
+    clear all
+    """)
