@@ -1,7 +1,5 @@
 //! Channels: transducers that are wired together, so that one output of a board drives them.
 
-use alloc::sync::Arc;
-
 use crate::error::one_each;
 use crate::prelude::*;
 

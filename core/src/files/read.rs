@@ -1,7 +1,5 @@
 //! Conversion of the tables of a scene file (`[medium]`, `[array]`, `[[points]]`, shapes, `[[obstacles]]`, `[solver]`, `[plane]`) to a scene.
 
-use alloc::sync::Arc;
-
 use crate::device::quantization::Quantization;
 use crate::error::ErrorCode;
 use crate::files::drawn::{self, Draw, Drawing, Drawn, drawn, mesh};

@@ -4,8 +4,6 @@
 //! point's slot. All other points of the first path fade to 0. All other points of the second path rise from 0, in slots whose
 //! target is 0 or in new slots. A slot with target 0 has no point; only such a slot may change its place suddenly.
 
-use alloc::sync::Arc;
-
 use crate::error::real;
 use crate::points::modulation::ROUNDING;
 use crate::points::path::{Course, Link, Moment, Path};

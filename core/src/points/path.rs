@@ -1,6 +1,5 @@
 //! Paths: points that move for a time, each with a target, as functions of time.
 
-use alloc::sync::Arc;
 use core::f64::consts::PI;
 
 use crate::error::real;

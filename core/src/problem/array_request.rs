@@ -1,7 +1,5 @@
 //! ArrayRequest: targets and weights of all points in Pa, and the factor that scales targets to the balanced level.
 
-use alloc::sync::Arc;
-
 use crate::error::ErrorCode;
 use crate::kernels::padded;
 use crate::prelude::*;

@@ -17,7 +17,6 @@ use crate::linalg::Planar;
 use crate::prelude::*;
 use crate::problem::array_request::ArrayRequest;
 use crate::propagation::field_of;
-use crate::rng::Rng;
 use crate::workspace::{Buffer, Workspace};
 
 /// The most rounds of choices.

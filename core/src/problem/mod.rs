@@ -23,7 +23,6 @@ pub use status::Status;
 pub use upper_bound::bound;
 
 use alloc::borrow::Cow;
-use alloc::sync::Arc;
 
 use crate::device::quantization::Quantization;
 use crate::error::one_each;

@@ -4,7 +4,6 @@
 //! stays the same. In the sum of squared errors their terms then have a size similar to those of other points, and are not lost
 //! in f32.
 
-use alloc::sync::Arc;
 use core::ops::RangeInclusive;
 
 use crate::prelude::*;

@@ -1,7 +1,5 @@
 //! Rounding: lowers a solution to its targets, and rounds its drives to what the board can play.
 
-use alloc::sync::Arc;
-
 use crate::kernels;
 use crate::linalg::Planar;
 use crate::prelude::*;

@@ -1,7 +1,6 @@
 //! Setup: the properties of an array that a problem needs: medium, quantization, positions, bead and channels.
 
 use alloc::borrow::Cow;
-use alloc::sync::Arc;
 
 use crate::device::channels::Channels;
 use crate::device::quantization::Quantization;

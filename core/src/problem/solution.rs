@@ -1,7 +1,5 @@
 //! Solution: a drive that the board can play, its pressures, status and metrics.
 
-use alloc::sync::Arc;
-
 use crate::error::{one_each, real};
 use crate::linalg::Planar;
 use crate::prelude::*;

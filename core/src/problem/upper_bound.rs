@@ -22,7 +22,6 @@ use crate::math::sqrt;
 use crate::prelude::*;
 use crate::problem::Problem;
 use crate::problem::optimum::{self, Effort, ROUNDING};
-use crate::rng::Rng;
 use crate::workspace::Workspace;
 
 /// The most points that the bound uses. The certificate takes time O(N M^2 + M^3), the search for it a hundred times O(N M).

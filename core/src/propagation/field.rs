@@ -1,7 +1,5 @@
 //! Field p = G q of a drive: at any points over all threads, and at the points of a problem.
 
-use alloc::sync::Arc;
-
 use crate::control::bytes;
 use crate::kernels;
 use crate::kernels::{ControlPoints, InstructionSet, Rows, padded};

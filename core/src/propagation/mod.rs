@@ -20,8 +20,6 @@ pub use scattering::boundary::Boundary;
 pub(crate) use sources::Sources;
 pub(crate) use strips::Strips;
 
-use alloc::sync::Arc;
-
 use crate::device::channels::Channels;
 use crate::error::one_each;
 use crate::kernels::propagate::rows;

@@ -1,7 +1,5 @@
 //! Model: an array in a medium, prepared once for control points that change.
 
-use alloc::sync::Arc;
-
 use crate::device::channels::Channels;
 use crate::kernels::InstructionSet;
 use crate::prelude::*;

@@ -1,7 +1,5 @@
 //! Recipe: the parts of a stored propagation matrix G, where no kernel computes it: obstacles, a signature, channels.
 
-use alloc::sync::Arc;
-
 use crate::device::channels::Channels;
 use crate::prelude::*;
 use crate::propagation::forces::stiffness::Stiffness;

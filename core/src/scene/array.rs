@@ -1,7 +1,5 @@
 //! Array: positions, normals, transducer, response, mask, channels and quantization.
 
-use alloc::sync::Arc;
-
 use crate::device::channels::Channels;
 use crate::device::quantization::Quantization;
 use crate::error::{one_each, real};

@@ -1,7 +1,5 @@
 //! Obstacles: bodies that reflect or scatter waves, checked once against the array.
 
-use alloc::sync::Arc;
-
 use crate::error::{ErrorCode, Notice, real};
 use crate::prelude::*;
 use crate::scene::body::obstacles;

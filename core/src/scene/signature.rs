@@ -1,7 +1,5 @@
 //! Signature: factors of modulus 1 for each transducer and point that turn a focus into a trap.
 
-use alloc::sync::Arc;
-
 use crate::error::{find, one_each};
 use crate::prelude::*;
 use crate::scene::Array;

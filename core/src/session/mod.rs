@@ -14,8 +14,6 @@ pub use moving::{FOLLOWER, Moving, Pace, Pull, Trajectory, meant, sight};
 pub use moving_solver::{MovingSolver, Played};
 pub use worker::SolveRequest;
 
-use alloc::sync::Arc;
-
 use crate::control::bytes;
 use crate::error::Notice;
 use crate::kernels::LANES;

@@ -1,6 +1,5 @@
 //! Moving solver: solves the frames of a motion block after block, one after another or together with later ones.
 
-use alloc::sync::Arc;
 use core::ops::Range;
 
 use crate::prelude::*;

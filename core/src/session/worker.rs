@@ -1,6 +1,5 @@
 //! Worker: the memory in which one thread reads and solves requests, 16 at a time.
 
-use alloc::sync::Arc;
 use core::ops::Range;
 
 use crate::kernels::LANES;

@@ -24,7 +24,6 @@ use crate::linalg::Planar;
 use crate::math::modulus;
 use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
-use crate::rng::Rng;
 use crate::solvers::common::interleaved_batch::InterleavedBatch;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Aligned, Workspace};

@@ -14,7 +14,6 @@ use crate::linalg::Planar;
 use crate::math::{sqrt, sqrtf};
 use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
-use crate::rng::Rng;
 use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::gauss_newton::Dual;
 use crate::solvers::common::tiled::{Rows, Wave};

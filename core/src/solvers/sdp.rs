@@ -16,7 +16,6 @@ use crate::math::{sqrt, sqrtf};
 use crate::prelude::*;
 use crate::problem::{Problem, Solution};
 use crate::propagation::Strips;
-use crate::rng::Rng;
 use crate::scene::words;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
 use crate::solvers::common::alternating_projection::start_phasors;

@@ -4,7 +4,6 @@
 //! (K, N) contains the response of each wave or element to each of N transducers. S is computed once. If a point
 //! moves, only its own row of H is computed again.
 
-use alloc::sync::Arc;
 use core::fmt;
 
 use crate::kernels::{InstructionSet, padded, panels};

@@ -7,8 +7,6 @@ mod inside;
 pub(crate) mod reflection;
 pub(crate) mod sphere;
 
-use alloc::sync::Arc;
-
 use crate::prelude::*;
 use crate::propagation::scattering::bodies::Bodies;
 use crate::propagation::scattering::reflection::{Reflection, reflections};

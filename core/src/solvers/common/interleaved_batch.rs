@@ -1,6 +1,5 @@
 //! Interleaved batch: up to 16 problems of one array, one in each SIMD lane.
 
-use alloc::sync::Arc;
 use core::array;
 
 use crate::kernels::closed_form::interleaved_sweep::{EIGHT, deal_in, deal_out};

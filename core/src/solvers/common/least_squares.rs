@@ -15,7 +15,6 @@ use core::f64::consts::TAU;
 
 use crate::prelude::*;
 use crate::problem::{Problem, Status};
-use crate::rng::Rng;
 use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::cover::{Side, cover};
 use crate::solvers::common::phase_descent::{Cost, PhaseDescent};

@@ -21,7 +21,6 @@ use crate::kernels::{Candidates, L1, L2, LANES, PhaseRange, PointGroup, table};
 use crate::linalg::Planar;
 use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
-use crate::rng::Rng;
 use crate::scene::{OptionValue, Options, Value, words};
 use crate::solvers::common::coordinate_descent::{CoordinateDescent, collect, moduli};
 use crate::solvers::common::interleaved_batch::InterleavedBatch;
