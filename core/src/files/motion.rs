@@ -1,9 +1,5 @@
 //! Scene files with moving points: the table `[motion]` instead of `[[points]]`, besides array, medium and solver.
 
-use alloc::format;
-use alloc::string::{String, ToString};
-
-use crate::error::Error;
 use crate::files::drawn::{self, Draw};
 use crate::files::fault::Fault;
 use crate::files::item::{Item, Table};
@@ -12,6 +8,7 @@ use crate::files::source::{Format, Source};
 use crate::files::{frames, path, place, read};
 use crate::kernels::InstructionSet;
 use crate::points::Path;
+use crate::prelude::*;
 use crate::scene::{Request, Scene};
 use crate::session::{Moving, Pace, Trajectory, sight};
 

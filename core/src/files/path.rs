@@ -1,14 +1,12 @@
 //! Tables of paths, `[[motion.path]]`: the kinds of paths, and the points that they move. The caller draws outlines.
 
-use alloc::vec::Vec;
-
-use crate::error::Error;
 use crate::files::drawn::{self, Draw, Drawing};
 use crate::files::fault::Fault;
 use crate::files::item::{Item, Table};
 use crate::files::kind::{self, Kind};
 use crate::files::node::Node;
 use crate::points::{Curve, Modulation, Path, Run};
+use crate::prelude::*;
 
 /// The table of a path in a document, which is also that of a path without a document.
 const TABLE: &str = "motion.path[0]";

@@ -1,13 +1,10 @@
 //! Curves by arc length: a circle or straight lines, as evenly spaced points and as the place at a distance.
 
-use alloc::format;
-use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
 
-use crate::error::{Error, real};
-use crate::math;
+use crate::error::real;
 use crate::points::contour::{Lines, even, few, spaced};
-use crate::vec3::Vec3;
+use crate::prelude::*;
 
 /// Straight pieces per period of a sine: a Lissajous figure of 0.1 m has an error of 1e-9 m.
 const PIECES: usize = 16384;

@@ -1,12 +1,9 @@
 //! Ahead: the drives of a whole sequence at once; each transducer gets the best track over all frames.
 
-use alloc::format;
-use alloc::vec;
-use alloc::vec::Vec;
-
-use crate::control::{Control, bytes};
+use crate::control::bytes;
 use crate::device::quantization::steps_within;
-use crate::error::{Error, real};
+use crate::error::real;
+use crate::prelude::*;
 use crate::propagation::Model;
 use crate::sequence::alternation::{ComplexWeights, field, follow};
 use crate::sequence::even_out::even_out;

@@ -5,12 +5,8 @@
 //! tracks gives the next phases (Gerchberg-Saxton over all frames at once), and larger or smaller weights for points
 //! that are too weak or too loud (Di Leonardo et al., Opt. Express 15(4), 2007).
 
-use alloc::vec;
-use alloc::vec::Vec;
-
-use crate::control::Control;
-use crate::error::Error;
 use crate::math::{sqrtf, unit};
+use crate::prelude::*;
 use crate::sequence::frames::{Frames, Visit};
 use crate::sequence::track::{Circle, Ends, Tracker};
 

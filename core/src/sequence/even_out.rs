@@ -1,11 +1,8 @@
 //! Evening out: changes single codes, where their neighbours in time allow it, until each frame is even.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
 use crate::math::sqrtf;
+use crate::prelude::*;
 use crate::sequence::frames::{Frames, TOGETHER};
 use crate::sequence::track::{Circle, Ends};
 

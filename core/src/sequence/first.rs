@@ -1,14 +1,7 @@
 //! First guess: the field of each frame's even drive, found from the drive of the frame before.
 
-use alloc::sync::Arc;
-use alloc::vec;
-use alloc::vec::Vec;
-
-use num_complex::Complex32;
-
-use crate::control::Control;
-use crate::error::Error;
 use crate::math::{atan2, phasor};
+use crate::prelude::*;
 use crate::problem::{Problem, Setup, Status};
 use crate::scene::{Aim, Request, Start};
 use crate::sequence::frames::Frames;

@@ -1,16 +1,10 @@
 //! Frames: the points of a whole sequence, their targets, and G of one transducer at all of them.
 
-use alloc::format;
-use alloc::vec;
-use alloc::vec::Vec;
-
-use num_complex::Complex64;
-
-use crate::control::{Control, bytes};
+use crate::control::bytes;
 use crate::device::channels::Channels;
-use crate::error::{Error, ErrorCode, real};
+use crate::error::{ErrorCode, real};
 use crate::kernels::{InstructionSet, LANES, padded};
-use crate::math;
+use crate::prelude::*;
 use crate::propagation::{Model, Propagation};
 use crate::scene::check_places;
 

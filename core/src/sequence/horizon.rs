@@ -4,14 +4,9 @@
 //! other frames becomes final. The rest is the initial guess for the next window. In trials this was as loud, within
 //! 0.3 %, as a window that advances by one frame, in a quarter of the time.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
-use num_complex::{Complex32, Complex64};
-
-use crate::control::Control;
 use crate::device::quantization::Quantization;
-use crate::error::{Error, Notice};
+use crate::error::Notice;
+use crate::prelude::*;
 use crate::propagation::Model;
 use crate::scene::Aim;
 use crate::sequence::ahead::{Ahead, ahead};

@@ -16,16 +16,10 @@
 use core::f64::consts::{PI, TAU};
 use core::ops::ControlFlow;
 
-use alloc::format;
-use alloc::vec;
-use alloc::vec::Vec;
-
-use num_complex::Complex32;
-
-use crate::control::{Control, bytes};
+use crate::control::bytes;
 use crate::device::channels::Channels;
 use crate::device::quantization::Quantization;
-use crate::error::Error;
+use crate::prelude::*;
 use crate::propagation::Model;
 use crate::propagation::forces::stiffness::Stiffness;
 use crate::sequence::ahead::{Ahead, transpose};

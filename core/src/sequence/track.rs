@@ -4,17 +4,12 @@
 //! Dynamic programming finds it (Viterbi, IEEE Trans. Inf. Theory 13(2), 1967): frame by frame, for every phase, the
 //! largest sum of a track that ends there; then the track back from the best end. No other search gives a better track.
 
-use alloc::vec;
-use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
-use num_complex::Complex32;
-
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::InstructionSet;
 use crate::kernels::track::{Gain, advance, advance_floats};
 use crate::math::{phase, phasor, round};
+use crate::prelude::*;
 
 /// A device's phases 2 pi l / L, and the largest change of a transducer's phase from one frame to the next.
 pub(super) struct Circle {

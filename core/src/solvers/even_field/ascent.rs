@@ -11,7 +11,7 @@
 //! ([`crate::solvers::even_field::path`]) leaves them too loud. From the field of least squares of crowded points this
 //! ascent keeps the level, which the path there loses.
 
-use crate::error::Error;
+use crate::prelude::*;
 use crate::solvers::common::tiled::Wave;
 use crate::solvers::even_field::even::{MOST_ROTATION, Manner};
 use crate::solvers::even_field::newton::{Level, Metric, Newton};

@@ -2,7 +2,7 @@
 //!
 //! These are Gauss-Newton steps in the dual ([`crate::solvers::even_field::newton`]).
 
-use crate::error::Error;
+use crate::prelude::*;
 use crate::solvers::common::tiled::Wave;
 use crate::solvers::even_field::newton::{DAMPING, FREE, Factor, Level, Newton};
 use crate::solvers::even_field::run::Run;

@@ -10,15 +10,11 @@
 //! s is the mean of |P_j|. Two phases leave errors of a tenth at every point. A common phase of all drives changes
 //! which way each of them is rounded, so several common phases are tried.
 
-use alloc::vec::Vec;
-
-use num_complex::Complex32;
-
-use crate::control::{Control, bytes};
+use crate::control::bytes;
 use crate::device::quantization::Quantization;
-use crate::error::Error;
 use crate::kernels::tiles::error_diffusion::{Choice, Task, diffuse, floats};
 use crate::math::phasor;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::scene::Aim;
 use crate::solvers::common::refinement::refine;

@@ -28,12 +28,7 @@ mod starts;
 mod sweeps;
 pub(crate) mod traps;
 
-use alloc::vec::Vec;
-
-use num_complex::Complex32;
-
-use crate::control::Control;
-use crate::error::Error;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::scene::Aim;
 use crate::solvers::common::least_squares::Task;

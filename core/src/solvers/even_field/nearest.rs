@@ -8,13 +8,8 @@
 //!
 //! Crowded points start the search of an even field from such a drive, too ([`approach`]).
 
-use alloc::vec::Vec;
-
-use num_complex::Complex32;
-
-use crate::control::Control;
 use crate::device::quantization::Quantization;
-use crate::error::Error;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::scene::Aim;
 use crate::solvers::common::least_squares::{LeastSquares, Task, least_squares, with_amplitudes};

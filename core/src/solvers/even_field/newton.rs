@@ -9,11 +9,10 @@
 //! point has two rows, Re P = Im P = 0; a point of large weight is damped less. The level s is given, or it follows from
 //! the sum of y. With the sum 0 the step d is the shortest one to any level.
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::tiles;
 use crate::linalg::Cholesky;
 use crate::math::sqrtf;
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::solvers::common::gauss_newton::Dual;
 use crate::solvers::common::tiled::{Rows, Wave};

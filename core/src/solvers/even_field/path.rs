@@ -13,7 +13,7 @@
 //! even field ([`crate::solvers::even_field::even`]) then follow the rounding of f32. A quiet point adds its leak
 //! above the allowed one to C. C is relative to L, so that a field does not become even by becoming weak.
 
-use crate::error::Error;
+use crate::prelude::*;
 use crate::solvers::common::tiled::Wave;
 use crate::solvers::even_field::newton::{Level, Metric, Newton};
 use crate::solvers::even_field::run::Run;

@@ -6,11 +6,11 @@
 //! Accuracy and Stability of Numerical Algorithms, 2002, section 10.3), a row at a time. If the chosen points are silent,
 //! so are the others, up to that small part. Points with targets in one place get the mean of their targets.
 
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
 use crate::kernels::tiles::products;
 use crate::kernels::{LANES, padded, vector};
 use crate::math::sqrtf;
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::{Buffer, Workspace};

@@ -2,12 +2,9 @@
 
 use core::f64::consts::TAU;
 
-use num_complex::Complex32;
-
-use crate::error::Error;
 use crate::kernels::LANES;
 use crate::math::phasor;
-use crate::rng::Rng;
+use crate::prelude::*;
 use crate::scene::Aim;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::ascent::{Pace, climb};

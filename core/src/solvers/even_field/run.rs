@@ -1,8 +1,7 @@
 //! A run: the limits of the search, steps reported to the caller, and how even a field is.
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::linalg::Planar;
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::{Buffer, Workspace};

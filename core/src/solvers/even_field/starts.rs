@@ -9,14 +9,13 @@
 //! have equal couplings, for which a single start is sometimes bad. Crowded points also start from cones: waves with one
 //! focus in front of or behind all points, whose fields are smooth there.
 
-use crate::control::{Control, bytes};
-use crate::error::Error;
+use crate::control::bytes;
 use crate::kernels::tiles::{phases, products};
 use crate::kernels::{InstructionSet, LANES};
 use crate::math::{phasor, sqrt, sqrtf};
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::problem::optimum::{self, Effort};
-use crate::rng::Rng;
 use crate::scene::distance;
 use crate::solvers::common::alternating_projection::start_phasors;
 use crate::solvers::common::tiled::Rows;

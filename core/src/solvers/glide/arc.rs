@@ -4,9 +4,8 @@
 //! suffice (for points that move faster than the bound allows), those that the steepest descent of sum r^2 turns
 //! inwards may leave the end (Bertsekas, SIAM J. Control Optim. 20(2), 1982).
 
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::tiles::unit::Arc;
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::newton::Newton;

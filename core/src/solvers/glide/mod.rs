@@ -20,16 +20,11 @@ mod arc;
 
 use core::f64::consts::{PI, TAU};
 
-use alloc::format;
-
-use num_complex::Complex32;
-
-use crate::control::Control;
 use crate::device::quantization::{Quantization, steps_within};
-use crate::error::{Error, real};
+use crate::error::real;
 use crate::kernels::tiles::unit::{Arc, rotate_list};
 use crate::kernels::tiles::{all_sound, error_diffusion};
-use crate::math;
+use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::tiled::{Rows, Wave};

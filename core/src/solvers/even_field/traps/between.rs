@@ -2,15 +2,9 @@
 
 use core::f64::consts::PI;
 
-use alloc::vec::Vec;
-
-use num_complex::Complex32;
-
-use crate::control::Control;
 use crate::device::quantization::Quantization;
-use crate::error::Error;
 use crate::kernels::InstructionSet;
-use crate::math;
+use crate::prelude::*;
 use crate::propagation::forces::stiffness::Stiffness;
 use crate::solvers::common::phase_descent::PhaseDescent;
 use crate::solvers::common::tiled::Wave;

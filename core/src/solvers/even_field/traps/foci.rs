@@ -8,10 +8,7 @@
 //! This is an augmented Lagrangian (Nocedal and Wright 2006, chapter 17.3). Without the multipliers y the traps would
 //! change each pressure until the slope of their stiffness equals w v_j.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
-use crate::math;
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::propagation::forces::stiffness::Stiffness;
 

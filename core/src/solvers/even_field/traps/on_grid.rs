@@ -14,14 +14,9 @@
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use alloc::vec;
-use alloc::vec::Vec;
-
-use num_complex::Complex32;
-
 use crate::device::quantization::Quantization;
 use crate::kernels::{InstructionSet, padded};
-use crate::math;
+use crate::prelude::*;
 use crate::propagation::forces::stiffness::Stiffness;
 use crate::propagation::jet::TERMS;
 use crate::scene::dot;

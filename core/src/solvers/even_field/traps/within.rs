@@ -18,15 +18,9 @@
 //! (primes are values of the last frame). This estimate is late by as much, so that beads are off their points. The
 //! force is limited to what a trap can carry.
 
-use alloc::vec::Vec;
-
-use num_complex::Complex32;
-
-use crate::control::Control;
 use crate::device::quantization::Quantization;
-use crate::error::Error;
 use crate::kernels::tiles::unit::Arc;
-use crate::math;
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::propagation::forces::stiffness::Stiffness;
 use crate::scene::{distance, dot};
