@@ -16,7 +16,7 @@ CORE = Path(__file__).resolve().parents[2] / "core" / "src"
 ABOUT = r"((?:^ *///[^\n]*\n)+) *"
 
 NUMBER = re.compile(ABOUT + r"(\w+)( = [^\n]*)?, such as", re.MULTILINE)
-PART = re.compile(ABOUT + r"(\w+), such as .*?: Access::(\w+)", re.MULTILINE)
+PART = re.compile(ABOUT + r"(\w+), such as .*?: (\w+)\(", re.MULTILINE)
 SOLVER = re.compile(
     r"^options! \{\n(?: *///[^\n]*\n)*    pub struct (\w+) \{\n(.*?)^    \}", re.MULTILINE | re.DOTALL
 )

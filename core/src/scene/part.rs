@@ -1,5 +1,7 @@
 //! Part: optional data of an array beside its positions, such as a mask. Each part is declared once here for all bindings.
 
+use alloc::borrow::ToOwned;
+
 use crate::device::quantization::Quantization;
 use crate::error::same_name;
 use crate::prelude::*;
@@ -43,33 +45,30 @@ pub enum PartValue {
     Quantization(Quantization),
 }
 
-type Checked = Result<Array, Error>;
-
-/// The functions that read a part from an array and that set it, by type.
-#[derive(Debug)]
-enum Access {
-    Real(fn(&Array) -> f64, fn(Array, f64) -> Checked),
-    Directivity(fn(&Array) -> Directivity, fn(Array, Directivity) -> Checked),
-    Complexes(fn(&Array) -> Option<&[Complex64]>, fn(Array, Option<Vec<Complex64>>) -> Checked),
-    Flags(fn(&Array) -> Option<&[bool]>, fn(Array, Option<Vec<bool>>) -> Checked),
-    Indices(fn(&Array) -> Option<&[usize]>, fn(Array, Option<Vec<usize>>) -> Checked),
-    Quantization(fn(&Array) -> Option<&Quantization>, fn(Array, Option<Quantization>) -> Array),
-}
-
 /// A named part of an array. [`Array::PARTS`] lists all of them.
 #[derive(Debug)]
 pub struct Part {
     /// The part's name in scene files, Python and C.
     pub name: &'static str,
-    access: Access,
+    kind: PartKind,
+    get: fn(&Array) -> Option<PartValue>,
+    set: fn(Array, PartValue) -> Result<Array, Error>,
 }
 
-/// Declares the parts: the name of each, its meaning, an example and its access functions.
+/// Declares the parts: the name of each, its meaning, an example, its type, and the functions that return and set it.
 macro_rules! parts {
-    ($( $(#[doc = $doc:literal])+ $name:ident, such as $example:literal: $access:expr; )+) => {
+    ($( $(#[doc = $doc:literal])+ $name:ident, such as $example:literal: $kind:ident($get:expr, $set:expr); )+) => {
         impl Array {
             /// Every part, in the order of scene files.
-            pub const PARTS: &'static [Part] = &[$( Part { name: stringify!($name), access: $access }, )+];
+            pub const PARTS: &'static [Part] = &[$( Part {
+                name: stringify!($name),
+                kind: PartKind::$kind,
+                get: |array| $get(array).map(|value| PartValue::$kind(value.to_owned())),
+                set: |array, value| match value {
+                    PartValue::$kind(value) => $set(array, value.into()),
+                    other => Err(another_kind(stringify!($name), PartKind::$kind, &other)),
+                },
+            }, )+];
 
             /// The keys of the parts in scene files.
             pub const PART_KEYS: &'static [Key] =
@@ -80,56 +79,49 @@ macro_rules! parts {
 
 parts! {
     /// Pressure on the axis times distance, at full drive, in Pa m; by default that of the preset, or 4.386.
-    source_pressure, such as "4.386": Access::Real(
-        |array| array.transducer().source_pressure,
-        |array, source_pressure| {
+    source_pressure, such as "4.386": Real(
+        |array: &Array| Some(array.transducer().source_pressure),
+        |array: Array, source_pressure: f64| {
             let transducer = Transducer { source_pressure, ..array.transducer() };
             array.with_transducer(transducer)
-        },
+        }
     );
     /// Directivity of a transducer: its name, or a table of the name and the parameter.
-    directivity, such as r#"{"piston": 4.5e-3}"#: Access::Directivity(
-        |array| array.transducer().directivity,
-        |array, directivity| {
+    directivity, such as r#"{"piston": 4.5e-3}"#: Directivity(
+        |array: &Array| Some(array.transducer().directivity),
+        |array: Array, directivity: Directivity| {
             let transducer = Transducer { directivity, ..array.transducer() };
             array.with_transducer(transducer)
-        },
+        }
     );
     /// Complex factor [re, im] of each transducer's pressure; 0 means that it is dead.
-    response, such as "[[1.0, 0.0], [0.5, -0.2]]": Access::Complexes(Array::response, Array::with_response);
+    response, such as "[[1.0, 0.0], [0.5, -0.2]]": Complexes(Array::response, Array::with_response);
     /// Whether each transducer is on; false means off.
-    mask, such as "[true, false]": Access::Flags(Array::mask, Array::with_mask);
+    mask, such as "[true, false]": Flags(Array::mask, Array::with_mask);
     /// Channel of each transducer, if several share one; by default that of the preset, or one for each transducer.
-    channels, such as "[0, 0, 1, 1]": Access::Indices(Array::channels, Array::with_channels);
+    channels, such as "[0, 0, 1, 1]": Indices(Array::channels, Array::with_channels);
     /// Channel of the boards that plays each transducer; by default the order of the transducers decides.
-    pins, such as "[1, 0]": Access::Indices(Array::pins, Array::with_pins);
+    pins, such as "[1, 0]": Indices(Array::pins, Array::with_pins);
     /// Phases and amplitudes that the board can play; by default those of the preset. {} allows any drive.
-    quantization, such as r#"{"phases": 256}"#: Access::Quantization(Array::quantization, Array::with_quantization);
+    quantization, such as r#"{"phases": 256}"#: Quantization(
+        Array::quantization,
+        |array: Array, board: Option<Quantization>| Ok(array.with_quantization(board))
+    );
+}
+
+fn another_kind(name: &str, kind: PartKind, value: &PartValue) -> Error {
+    Error::invalid(format!("array.{name}"), format!("{value:?}"), format!("give a value of the kind {kind:?}"))
 }
 
 impl Part {
     /// The type of the part's value.
     pub fn kind(&self) -> PartKind {
-        match self.access {
-            Access::Real(..) => PartKind::Real,
-            Access::Directivity(..) => PartKind::Directivity,
-            Access::Complexes(..) => PartKind::Complexes,
-            Access::Flags(..) => PartKind::Flags,
-            Access::Indices(..) => PartKind::Indices,
-            Access::Quantization(..) => PartKind::Quantization,
-        }
+        self.kind
     }
 
     /// The value of this part in an array, or `None` where the array has none.
     pub fn of(&self, array: &Array) -> Option<PartValue> {
-        match self.access {
-            Access::Real(get, _) => Some(PartValue::Real(get(array))),
-            Access::Directivity(get, _) => Some(PartValue::Directivity(get(array))),
-            Access::Complexes(get, _) => get(array).map(|list| PartValue::Complexes(list.to_vec())),
-            Access::Flags(get, _) => get(array).map(|list| PartValue::Flags(list.to_vec())),
-            Access::Indices(get, _) => get(array).map(|list| PartValue::Indices(list.to_vec())),
-            Access::Quantization(get, _) => get(array).cloned().map(PartValue::Quantization),
-        }
+        (self.get)(array)
     }
 
     /// Returns the array with this value of the part instead of its own.
@@ -147,18 +139,7 @@ impl Part {
     /// A value of another type; values that the array's own methods reject, such as a list whose length is not the number of
     /// transducers.
     pub fn put(&self, array: Array, value: PartValue) -> Result<Array, Error> {
-        match (&self.access, value) {
-            (Access::Real(_, set), PartValue::Real(value)) => set(array, value),
-            (Access::Directivity(_, set), PartValue::Directivity(value)) => set(array, value),
-            (Access::Complexes(_, set), PartValue::Complexes(value)) => set(array, Some(value)),
-            (Access::Flags(_, set), PartValue::Flags(value)) => set(array, Some(value)),
-            (Access::Indices(_, set), PartValue::Indices(value)) => set(array, Some(value)),
-            (Access::Quantization(_, set), PartValue::Quantization(value)) => Ok(set(array, Some(value))),
-            (_, value) => {
-                let cure = format!("give a value of the kind {:?}", self.kind());
-                Err(Error::invalid(format!("array.{}", self.name), format!("{value:?}"), cure))
-            }
-        }
+        (self.set)(array, value)
     }
 }
 
