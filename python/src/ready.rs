@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use midair::{Extras, InstructionSet, Medium, Model, Notice, Obstacle, Workspace};
 
+use crate::array::Array;
 use crate::mesh::behind;
 use crate::prelude::*;
 
@@ -17,20 +18,28 @@ pub(crate) struct Ready {
     pub(crate) doubts: Vec<Notice>,
     /// The last obstacles and the model with them: computing what they reflect takes long.
     behind: Mutex<Option<(Vec<Obstacle>, Model)>>,
-    /// Workspace of the last solve.
-    work: Mutex<Option<Workspace>>,
+    shared: Arc<Shared>,
+}
+
+/// What scenes of an array share, whatever their medium.
+#[derive(Default)]
+struct Shared {
+    /// The last array that has other parts instead of this array's.
+    changed: Mutex<Option<Array>>,
+    /// Workspace of the last solve, also of the arrays with other parts.
+    work: Arc<Mutex<Option<Workspace>>>,
 }
 
 impl Ready {
     /// Returns the workspace of the last solve; a new one if there is none or another call uses it.
     pub(crate) fn workspace(&self) -> Workspace {
-        self.work.lock().unwrap_or_else(PoisonError::into_inner).take().unwrap_or_default()
+        self.shared.work.lock().unwrap_or_else(PoisonError::into_inner).take().unwrap_or_default()
     }
 
     /// Stores a workspace for the next solve, unless it is too large.
     pub(crate) fn keep(&self, work: Workspace) {
         if work.bytes() <= MOST_KEPT {
-            *self.work.lock().unwrap_or_else(PoisonError::into_inner) = Some(work);
+            *self.shared.work.lock().unwrap_or_else(PoisonError::into_inner) = Some(work);
         }
     }
 
@@ -58,23 +67,37 @@ impl Ready {
 
 /// The last prepared form of an array. Copies share it.
 #[derive(Clone, Default)]
-pub(crate) struct Cache(Arc<Mutex<Option<Arc<Ready>>>>);
+pub(crate) struct Cache {
+    ready: Arc<Mutex<Option<Arc<Ready>>>>,
+    shared: Arc<Shared>,
+}
 
 impl Cache {
     pub(crate) fn of(ready: Arc<Ready>) -> Self {
-        Self(Arc::new(Mutex::new(Some(ready))))
+        let shared = Arc::clone(&ready.shared);
+        Self { ready: Arc::new(Mutex::new(Some(ready))), shared }
+    }
+
+    /// Returns an array with other parts than this cache's array. Equal arrays share what is prepared.
+    pub(crate) fn changed(&self, inner: midair::Array) -> Array {
+        let mut changed = self.shared.changed.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(array) = changed.as_ref().filter(|array| array.inner == inner) {
+            return array.clone();
+        }
+        let shared = Shared { work: Arc::clone(&self.shared.work), ..Shared::default() };
+        let cache = Self { shared: Arc::new(shared), ..Self::default() };
+        changed.insert(Array { inner, cache }).clone()
     }
 
     /// Returns the array prepared for a medium.
     pub(crate) fn get(&self, array: &midair::Array, medium: Medium) -> PyResult<Arc<Ready>> {
         // Only a thread with the GIL takes this lock, so it is never locked when Python forks.
-        let mut cache = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut cache = self.ready.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(ready) = cache.as_ref().filter(|ready| ready.model.medium() == medium) {
             return Ok(Arc::clone(ready));
         }
         let model = Model::new(array, medium, InstructionSet::requested().map_err(refused)?).map_err(refused)?;
-        let ready =
-            Arc::new(Ready { model, doubts: array.doubts(medium), behind: Mutex::default(), work: Mutex::default() });
-        Ok(Arc::clone(cache.insert(ready)))
+        let (doubts, shared) = (array.doubts(medium), Arc::clone(&self.shared));
+        Ok(Arc::clone(cache.insert(Arc::new(Ready { model, doubts, behind: Mutex::default(), shared }))))
     }
 }

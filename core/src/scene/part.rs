@@ -1,4 +1,4 @@
-//! Part: optional data of an array beside its positions, such as a mask. Each part is declared once here for all bindings.
+//! Part: names of the optional data of an array, such as a mask, for all bindings. The array itself checks them.
 
 use alloc::borrow::ToOwned;
 

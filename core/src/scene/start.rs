@@ -1,4 +1,4 @@
-//! Start: the drive or the phases at the points from which an iterative method begins; and the check of a drive.
+//! Start: the drive or point phases from which a method begins. Any drive is checked here: one number a transducer.
 
 use crate::error::one_each;
 use crate::prelude::*;

@@ -1,4 +1,4 @@
-//! Solvers: one file for each method, one line for each in the registry.
+//! Solvers: a file or folder for each method, one line for each in the registry.
 
 // This module comes first, because the methods use its macro `options!`.
 #[macro_use]

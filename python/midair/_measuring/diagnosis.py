@@ -1,4 +1,4 @@
-"""Diagnosis: finds faults of boards from readings of known drives.
+"""Diagnosis: finds exchanged channels, delays and responses of boards from readings of known drives.
 
 A first search compares orders of channels, sound speeds and delays of boards. Then `midair.calibrate` fits
 responses, sound speed and the microphones' places, and pairs of channels are exchanged if that explains the

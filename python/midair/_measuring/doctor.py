@@ -1,4 +1,4 @@
-"""`midair.doctor`: finds faults of a board by a microphone and reports them."""
+"""`midair.doctor`: measures by a microphone, decides by limits what is dead, weak or reversed, and reports it."""
 
 from __future__ import annotations
 

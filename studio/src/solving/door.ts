@@ -7,7 +7,7 @@ import type { OwnArray, Vec3 } from "../state/types.ts";
 /** A CSV file with more transducers is rejected. */
 const MOST_TRANSDUCERS = 16384;
 
-/** Quality of a drive at the points with a target above 0; `weakest` is the least |p| there, in Pa. */
+/** Quality of a drive at the points with a target above 0. */
 export interface Metrics {
   accuracy: number;
   sigma: number;

@@ -1,4 +1,4 @@
-//! AUTD3: for each device 249 phase bytes, then 249 intensity bytes.
+//! AUTD3: for each device 249 phase bytes, then 249 intensity bytes, written by `planes`.
 
 use crate::device::boards::planes;
 use crate::device::code::{Levels, Steps};

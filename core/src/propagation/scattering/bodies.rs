@@ -1,4 +1,4 @@
-//! Bodies: the part of the propagation matrix G that spheres and meshes add.
+//! Bodies: the part of the propagation matrix G of spheres and meshes.
 //!
 //! This part is the product H S. H (M, K) contains the K waves, or surface elements, of the bodies at each of M points. S
 //! (K, N) contains the response of each wave or element to each of N transducers. S is computed once. If a point

@@ -1,4 +1,4 @@
-//! Scattering: the waves that obstacles add: image sources for walls, responses of spheres and meshes.
+//! Scattering: adds to G the waves of obstacles: image sources for walls, responses of spheres and meshes.
 
 pub(crate) mod bodies;
 pub(crate) mod boundary;

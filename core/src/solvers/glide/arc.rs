@@ -1,4 +1,4 @@
-//! Within: turns phases that stay within an arc around 1 until all points are even.
+//! Arc: turns phases that stay within an arc around 1 until all points are even.
 //!
 //! Projected Gauss-Newton on r_j = |P_j| - s, s free. Phases at an end of the arc stay there. If the others do not
 //! suffice (for points that move faster than the bound allows), those that the steepest descent of sum r^2 turns

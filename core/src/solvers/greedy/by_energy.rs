@@ -1,5 +1,4 @@
-//! greedy with an energy of your own: the search of Algorithm 2 (Suzuki et al. 2021) with another objective than eq.
-//! (7).
+//! greedy with an energy of your own instead of eq. (7): the search of Algorithm 2 (Suzuki et al. 2021).
 //!
 //! Each transducer's turn evaluates all candidates at once; a sweep has N turns. Nothing is known about the energy, so
 //! there are no shortcuts: a turn takes O(K L M) plus the time of the energy itself.
