@@ -1,7 +1,7 @@
 """What each part of `uniform` and `best` earns: the solvers are built without it, and judged in groups of scenes.
 
 `python bench/ablation.py` copies the tracked files of the core to a temporary folder, replaces one text of its source for each
-row, builds the bench `levels`, and writes the table of docs/performance/even.md. An hour on two cores. With names of rows it
+row, builds the bench `levels`, and writes the table of docs/performance/steps.md. An hour on two cores. With names of rows it
 prints these rows only.
 """
 
@@ -17,7 +17,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 SOLVER = "core/src/solvers/even_field"
-PAGE = ROOT / "docs/performance/even.md"
+PAGE = ROOT / "docs/performance/steps.md"
 
 #: Groups of scenes of core/benches/levels.rs.
 GROUPS = "few spaced regular unequal many dense quiet 2_phases 4_phases 16_phases asked pictures".split()

@@ -59,6 +59,28 @@ def test_targets_in_pascals_are_met_and_modulation_is_played(ring):
     np.testing.assert_allclose(relative.pressures[loud], relative.targets[loud], rtol=0.03)
 
 
+@pytest.mark.parametrize("step", [0.0124, 0.004, 0.002])
+def test_a_modulation_without_pressures_is_of_the_highest_even_level(step: float) -> None:
+    # Points nearer than a focus had the balanced level, which counts each as a focus of its own: 900 Pa instead of 2,289.
+    array = midair.Array.preset("autd3")
+    points = midair.shape.circle([0, 0, 0.2], 0.01, step=step)
+    still = midair.path.still(points, duration=0.01)
+    played = midair.sequence(array, still.modulated(200, "cosine"), rate=4000)
+    plain = midair.solve(midair.Scene(array, points))
+    level = abs(plain.pressures).min()
+    assert played.targets.max() == pytest.approx(level, rel=0.01)
+    assert abs(played.drives).max() > 0.98
+    assert abs(plain.modulated(200, "cosine").pressures.max() / played.pressures.max() - 1) < 0.02
+
+
+def test_a_fade_is_of_a_level_that_every_frame_reaches() -> None:
+    array = midair.Array.preset("autd3")
+    away = midair.path.line([0, 0, 0.15], [0.15, 0, 0.15], speed=1.0).modulated(100)
+    played = midair.sequence(array, away, rate=2000, change=3.15)
+    there = played.targets > 0
+    assert (played.pressures[there] / played.targets[there]) == pytest.approx(1, abs=0.01)
+
+
 def test_envelopes_are_taken_into_account(board):
     fast = midair.path.line([-0.03, 0, 0.15], [0.03, 0, 0.15], speed=2.0) & midair.path.line(
         [0.03, 0.03, 0.15], [-0.03, 0.03, 0.15], speed=2.0

@@ -12,11 +12,13 @@ use crate::prelude::*;
 use crate::problem::Problem;
 use crate::propagation::Model;
 use crate::propagation::forces::rest::{poised, rest};
-use crate::scene::{Aim, Bead, Choice, Options, Scene, Signature, Value, figures};
+use crate::scene::{Aim, Bead, Choice, Options, Request, Scene, Signature, Value, figures};
 use crate::sequence::horizon::PHASES;
 use crate::session::{Frames, Session, SolveRequest};
 use crate::solvers::registry;
 use crate::solvers::remark::Remark;
+use crate::solvers::solve::solve;
+use crate::workspace::Workspace;
 
 /// Time in s, to each side, over which the acceleration of points is averaged. A bead oscillates much more slowly.
 const LOOK: f64 = 0.5e-3;
@@ -41,6 +43,9 @@ const FAST: f64 = 0.5;
 
 /// Time in s over which the acceleration of a trap is averaged, to each side, before it is compared with the trap's forces.
 const WHILE: f64 = 3e-3;
+
+/// The largest number of frames whose highest even level is computed for a path with modulations or fades.
+const JUDGED: usize = 8;
 
 /// Frames of moving points with all that their solve needs.
 ///
@@ -92,7 +97,8 @@ pub struct Trajectory {
     pub points: Vec<[f64; 3]>,
     /// The number of points M in a frame.
     pub count: usize,
-    /// Targets (T, M): in Pa, or factors from 0 to 1 of the level that the array reaches. `None` for points alone.
+    /// Targets (T, M): in Pa, or factors from 0 to 1 of the highest level that the array makes even in all frames. `None` for
+    /// points alone.
     pub targets: Option<Vec<f64>>,
     /// Whether the targets are in Pa.
     pub pascals: bool,
@@ -229,11 +235,13 @@ impl Moving {
         let Trajectory { points, targets, pascals, .. } = frames;
         let mut choice = scene.solver.take().map_or_else(|| Choice::new(FOLLOWER.into(), Options::new()), Ok)?;
         let (aim, stiff) = meant(targets.is_none(), choice.aim, scene.signature());
+        let modulated = targets.is_some() && scene.signature().is_none();
         let mut targets = targets.unwrap_or_else(|| vec![1.0; points.len()]);
         if !pascals {
             let control = &mut Control::none();
             let level = Problem::of_scene(&scene, set, control)?.reach(control)?.level;
-            targets.iter_mut().zip(level.iter().cycle()).for_each(|(target, level)| *target *= level);
+            let factor = if modulated { evenly(&scene, &points, &level, set, control)? } else { 1.0 };
+            targets.iter_mut().zip(level.iter().cycle()).for_each(|(target, level)| *target *= factor * level);
         }
         let change = pace.bound()?;
         if ahead == Some(0) {
@@ -539,6 +547,31 @@ impl Session {
 pub fn meant(plain: bool, aim: Option<Aim>, signature: Option<&Signature>) -> (Aim, bool) {
     let aim = aim.unwrap_or(if plain { Aim::Max } else { Aim::Target });
     (aim, plain && aim == Aim::Max && signature.is_some_and(Signature::traps))
+}
+
+/// Returns the largest part of some levels (M,) in Pa that all points can have in every frame: the least of some frames.
+fn evenly(
+    scene: &Scene,
+    points: &[[f64; 3]],
+    levels: &[f64],
+    set: InstructionSet,
+    control: &mut Control,
+) -> Result<f64, Error> {
+    let uniform = registry::find("uniform")?.configure(&Options::new())?.solver;
+    let (mut work, mut least, mut last) = (Workspace::new(), f64::INFINITY, None);
+    let step = (points.len() / levels.len()).div_ceil(JUDGED);
+    for frame in points.chunks_exact(levels.len()).step_by(step) {
+        if last.replace(frame) == Some(frame) {
+            continue;
+        }
+        // A frame that cannot be solved is refused when its turn comes.
+        let Ok(scene) = scene.clone().with_points(frame.to_vec(), Request::default()) else { continue };
+        let Ok(problem) = Problem::of_scene(&scene, set, control) else { continue };
+        let solution = solve(&problem.with_aim(Aim::Max), &*uniform, false, &mut work, control)?;
+        let parts = solution.pressures.iter().zip(levels).map(|(p, level)| f64::from(p.norm()) / level);
+        least = parts.fold(least, f64::min);
+    }
+    Ok(if least.is_finite() { least } else { 1.0 })
 }
 
 /// Returns the number of later frames that a solve knows; `None` for all. A closed sequence needs all.

@@ -86,8 +86,8 @@ def sequence(
         0: only earlier frames are known; n: also the next n frames; "all": all frames are solved together.
         Traps are as stiff as possible with 0 and "all"; with n their foci are equal.
     pressures : float, (M,) or (T, M) array_like, optional
-        Targets in Pa, 0 where a point is absent. By default the path's own, else the balanced level of
-        the first frame, times modulation and fades.
+        Targets in Pa, 0 where a point is absent. By default the path's own. Without any, each frame is as
+        loud as possible; modulations and fades are those of the highest even level of all frames.
     aim : {"target", "max"}, optional
         As for `midair.solve`; by default "max" if only points are given.
     progress : callable, optional
