@@ -1,12 +1,12 @@
-"""What each part of `uniform` and `best` earns: the solvers are built without it, and judged in groups of scenes.
+"""What each part of `uniform` and `best` earns: the solvers run without it, and are judged in groups of scenes.
 
-`python bench/ablation.py` copies the tracked files of the core to a temporary folder, replaces one text of its source for each
-row, builds the bench `levels`, and writes the table of docs/performance/steps.md. Half an hour on two cores. With names of rows it
-prints these rows only.
+`python bench/ablation.py` copies the core to a temporary folder, gives each part below a switch, builds the bench `levels` once, and
+writes the table of docs/performance/steps.md. Ten minutes on two cores. With names of parts it prints their rows only.
 """
 
 from __future__ import annotations
 
+import json
 import math
 import os
 import re
@@ -15,112 +15,132 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
 SOLVER = "core/src/solvers/even_field"
 PAGE = ROOT / "docs/performance/steps.md"
 
-#: Groups of scenes of core/benches/levels.rs.
-GROUPS = "few spaced regular unequal many dense quiet 2_phases 4_phases 16_phases asked pictures".split()
+#: Groups of scenes of core/benches/levels.rs; in the last two the error counts, in the others the level.
+GROUPS = "few,spaced,regular,unequal,many,dense,quiet,2 phases,4 phases,16 phases,asked,pictures".split(",")
+ERRORS = GROUPS[-2:]
 
-#: Each row: what is left out, the file, the text that is replaced, and the text instead.
+#: Each part: its file, a text of it, and the text instead, where {} is whether the part is left out.
 PARTS = {
-    "the weighted sweeps": ("sweeps.rs", "0..=run.plan.sweeps", "0..=0"),
-    "the removal of a point's own part": ("sweeps.rs", "RELAXATION: f32 = 0.8", "RELAXATION: f32 = 0.0"),
-    "more starts for regular and lossy points": (
-        "mod.rs",
-        "(symmetric || found == Found::Lossy)",
-        "(symmetric && false)",
-    ),
-    "the path of separate points": ("mod.rs", "if found != Found::Separate &&", "if false &&"),
-    "branch and bound for 2 and 3 points": ("race.rs", "&& rows.targeted <= FEW {", "&& rows.targeted < FEW - 2 {"),
-    "points that depend on others are crowded": ("race.rs", "uneven || many && level", "uneven || false && level"),
-    "the race (one field is followed)": ("run.rs", "if self.wide { 3 } else { 2 }", "1"),
-    "cones as starts": ("race.rs", "in plan.cones()", "in plan.cones().iter().take(0)"),
-    "random drives as starts": ("race.rs", "if rows.equations() <= FEW_ENOUGH", "if rows.equations() < 2"),
-    "louder fields of least squares as starts": ("run.rs", "&[1.2, 1.6]", "&[]"),
-    "the ascent from least squares": ("mod.rs", "&& !ended(run, search)\n", "&& false && !ended(run, search)\n"),
-    "the slow rest of the path": ("path.rs", "factor: 0.85", "factor: 0.75"),
-    "a second, closer end": ("race.rs", "if !run.plan.wide && self", "if false && self"),
-    "the refusal of faint fields": ("race.rs", "FAINT: f32 = 0.4", "FAINT: f32 = 0.0"),
-    "the metric D": ("newton.rs", "1.0 / sqrtf(root.max(least))", "1.0 / sqrtf(mean.max(least))"),
-    "a few quiet points for many": ("quiet.rs", "FEW: usize = 8", "FEW: usize = 8000"),
-    "the ascent beside crowded quiet points": ("mod.rs", "if silence.crowded {", "if silence.crowded && false {"),
-    "the lift to the target": ("mod.rs", "if below && !run", "if below && false && !run"),
-    "error diffusion": ("grid.rs", "&& quantization.phases() >= Some(FEWEST)", "&& quantization.phases().is_none()"),
-    "the search with few phases": ("mod.rs", "&& !run.stopped\n        {\n            grid::raise", "&& !run.stopped && false\n        {\n            grid::raise"),
+    "weighted sweeps": ("sweeps.rs", "0..=run.plan.sweeps", "0..=if {} {{ 0 }} else {{ run.plan.sweeps }}"),
+    "a point's own part removed": ("sweeps.rs", "= RELAXATION *", "= if {} {{ 0.0 }} else {{ RELAXATION }} *"),
+    "more starts for regular sets": ("mod.rs", "&& (symmetric ||", "&& !{} && (symmetric ||"),
+    "path of separate points": ("mod.rs", "if found != Found::Separate &&", "if !{} && found != Found::Separate &&"),
+    "branch and bound": ("race.rs", "&& rows.targeted <= FEW {", "&& rows.targeted <= FEW && !{} {{"),
+    "a look at dependent points": ("race.rs", "uneven || many &&", "uneven || !{} && many &&"),
+    "several fields to the end": ("run.rs", "if self.wide { 3 }", "if {} {{ 1 }} else if self.wide {{ 3 }}"),
+    "cones as starts": ("race.rs", "in plan.cones()", "in if {} {{ &[][..] }} else {{ plan.cones() }}"),
+    "random drives as starts": ("race.rs", "if rows.equations() <= FEW_ENOUGH", "if !{} && rows.equations() <= FEW_ENOUGH"),
+    "louder least squares as starts": ("run.rs", "if self.wide { &[1.2, 1.6] }", "if self.wide && !{} {{ &[1.2, 1.6] }}"),
+    "ascent from least squares": ("mod.rs", "&& !ended(run, search)\n", "&& !{} && !ended(run, search)\n"),
+    "slow rest of the path": ("race.rs", "if run.plan.wide { Course::SLOW_REST }", "if run.plan.wide && !{} {{ Course::SLOW_REST }}"),
+    "a second, closer end": ("race.rs", "if !run.plan.wide && self", "if !{} && !run.plan.wide && self"),
+    "refusal of faint fields": ("race.rs", ">= FAINT *", ">= if {} {{ 0.0 }} else {{ FAINT }} *"),
+    "metric D": ("newton.rs", "sqrtf(root.max(least))", "sqrtf(if {} {{ mean.max(least) }} else {{ root.max(least) }})"),
+    "some quiet points for all": ("quiet.rs", "if count <= FEW {", "if count <= FEW || {} {{"),
+    "ascent beside quiet points": ("mod.rs", "if silence.crowded {", "if silence.crowded && !{} {{"),
+    "lift to the target": ("mod.rs", "if below && !run", "if !{} && below && !run"),
+    "error diffusion": ("grid.rs", "&& even\n", "&& even && !{}\n"),
+    "search with few phases": ("mod.rs", "&& !run.stopped\n        {\n            grid", "&& !run.stopped && !{}\n        {{\n            grid"),
+}  # fmt: skip
+
+
+class Group(NamedTuple):
+    """Results of a group: levels or errors, which scenes are uneven, and s of CPU."""
+
+    values: list[float]
+    uneven: list[bool]
+    seconds: float
+
+
+def switched(copy: Path) -> None:
+    """Give each part of a copy of the sources its switch, the number in MIDAIR_WITHOUT."""
+    library = copy / "core/src/lib.rs"
+    switch = """
+/// Whether a part is left out.
+pub(crate) fn without(part: usize) -> bool {
+    static PART: std::sync::OnceLock<Option<usize>> = std::sync::OnceLock::new();
+    *PART.get_or_init(|| std::env::var("MIDAIR_WITHOUT").ok()?.parse().ok()) == Some(part)
 }
+"""
+    library.write_text(library.read_text() + switch)
+    for number, (part, (file, old, new)) in enumerate(PARTS.items()):
+        source = copy / SOLVER / file
+        text = source.read_text()
+        if text.count(old) != 1:
+            sys.exit(f"{part}: {file} contains {old!r} {text.count(old)} times, not once")
+        source.write_text(text.replace(old, new.format(f"crate::without({number})")))
+    if "avx512f" in Path("/proc/cpuinfo").read_text():
+        # Kernels for other processors take most of the time of a build.
+        kinds = copy / "core/src/kernels/simd/instruction_set.rs"
+        arm = r"Kind::(Scalar|Avx2)\(\$simd\) => \$simd\.vectorize\(\s*#\[inline\(always\)\]\s*\|\| \$body,\s*\),"
+        kinds.write_text(re.sub(arm, r"Kind::\1(_) => unreachable!(),", kinds.read_text()))
 
 
-def built(folder: Path) -> str:
-    """Return the path of the bench of a copy of the sources."""
-    settings = {"CARGO_PROFILE_BENCH_LTO": "off", "CARGO_PROFILE_BENCH_CODEGEN_UNITS": "16", "RUSTFLAGS": ""}
-    command = ["cargo", "bench", "--quiet", "--package", "midair", "--bench", "levels", "--no-run", "--message-format=json"]
-    lines = subprocess.run(command, cwd=folder, env=os.environ | settings, check=True, capture_output=True, text=True)
-    return next(line for line in lines.stdout.splitlines()[::-1] if '"executable":"' in line).split('"executable":"')[1].split('"')[0]
+def built(copy: Path) -> str:
+    """Return the program of a copy of the sources."""
+    settings = {"CARGO_PROFILE_BENCH_LTO": "off", "CARGO_PROFILE_BENCH_CODEGEN_UNITS": "16"}
+    command = "cargo bench --quiet --package midair --bench levels --no-run --message-format=json".split()
+    lines = subprocess.run(command, cwd=copy, env=os.environ | settings, check=True, stdout=subprocess.PIPE).stdout
+    programs = [json.loads(line).get("executable") for line in lines.splitlines()]
+    return next(program for program in programs if program)
 
 
-def judged(program: str) -> dict[tuple[str, str], tuple[list[float], int, float]]:
-    """Return levels (or errors of pictures), the number of uneven scenes and s of CPU, for each method and group."""
+def judged(program: str, part: int | None) -> dict[tuple[str, str], Group]:
+    """Return the results of each method and group without a part."""
     results = {}
+    environment = os.environ if part is None else os.environ | {"MIDAIR_WITHOUT": str(part)}
     for method in ("uniform", "best"):
         for group in GROUPS:
             before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-            command = [program, method, group.replace("_", " ")]
-            text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+            run = subprocess.run([program, method, group], env=environment, check=True, capture_output=True, text=True)
             seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-            rows = [[float(value) for value in line.split("|")[2:]] for line in text.splitlines()]
-            values = [1 / max(error, 1e-4) if group in ("asked", "pictures") else level for level, _, error in rows]
-            results[method, group] = values, sum(uneven > 5e-3 for _, uneven, _ in rows), seconds
+            rows = [[float(value) for value in line.split("|")[2:]] for line in run.stdout.splitlines()]
+            values = [max(error, 1e-4) if group in ERRORS else level for level, _, error in rows]
+            results[method, group] = Group(values, [uneven > 5e-3 for _, uneven, _ in rows], seconds)
     return results
 
 
-def cells(whole: dict, less: dict, method: str) -> list[str]:
-    """Return one cell for each group: the loss in %, the number of scenes that are uneven only now, the time."""
-    texts = []
-    for group in GROUPS:
-        (values, uneven, seconds), (mine, more, took) = whole[method, group], less[method, group]
-        ratio = math.exp(sum(math.log(b / a) for a, b in zip(values, mine, strict=True)) / len(values))
-        loss = 100 * (1 - ratio)
-        text = "" if abs(loss) < 0.05 else f"{loss:+.1f}"
-        text += "" if more <= uneven else f" ({more - uneven} uneven)"
-        quicker = seconds / max(took, 1e-9)
-        texts.append(text + (f" x{quicker:.1f}" if quicker > 1.15 and seconds > 0.05 else ""))
-    return texts
+def cell(group: str, whole: Group, less: Group) -> str:
+    """Return what a group loses without a part, in %; the scenes that are uneven then; the share of the time."""
+    pairs = zip(whole.values, less.values, strict=True)
+    change = sum(math.log(b / a) for a, b in pairs) / len(whole.values)
+    loss = 100 * (math.exp(change if group in ERRORS else -change) - 1)
+    uneven = sum(less.uneven) - sum(whole.uneven)
+    share = less.seconds / max(whole.seconds, 1e-9)
+    texts = [f"{loss:+.1f}" if abs(loss) >= 0.05 else "", f"{uneven:+d} uneven" if uneven else ""]
+    texts.append(f"time {share:.1f}" if whole.seconds > 0.2 and abs(share - 1) > 0.15 else "")
+    return ", ".join(text for text in texts if text)
 
 
 def main(names: list[str]) -> None:
     """Print the rows, and write them to the page if all are asked."""
-    head = ["without", *(group.replace("_", " ") for group in GROUPS)]
-    lines = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
+    head = [["without", "method", *GROUPS], ["---"] * (2 + len(GROUPS))]
+    lines = [f"| {' | '.join(row)} |" for row in head]
     with tempfile.TemporaryDirectory() as place:
         copy = Path(place)
-        files = subprocess.run(["git", "ls-files", "-z", "Cargo.*", "core", "python", "capi"], cwd=ROOT, check=True, capture_output=True)
-        for name in files.stdout.decode().split("\0")[:-1]:
+        command = ["git", "ls-files", "Cargo.*", "core", "python/Cargo.toml", "python/src", "capi"]
+        for name in subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout.splitlines():
             (copy / name).parent.mkdir(parents=True, exist_ok=True)
             (copy / name).write_bytes((ROOT / name).read_bytes())
-        if "avx512f" in Path("/proc/cpuinfo").read_text():
-            # Kernels for other processors take most of the time of a build.
-            kinds = copy / "core/src/kernels/simd/instruction_set.rs"
-            arm = r"Kind::(Scalar|Avx2)\(\$simd\) => \$simd\.vectorize\(\s*#\[inline\(always\)\]\s*\|\| \$body,\s*\),"
-            kinds.write_text(re.sub(arm, r"Kind::\1(_) => unreachable!(),", kinds.read_text()))
-        whole = judged(built(copy))
+        switched(copy)
+        program = built(copy)
+        whole = judged(program, None)
         for part in names or PARTS:
-            file, old, new = PARTS[part]
-            source = copy / SOLVER / file
-            text = source.read_text()
-            if text.count(old) != 1:
-                sys.exit(f"{part}: {file} contains {old!r} {text.count(old)} times, not once")
-            source.write_text(text.replace(old, new))
-            less = judged(built(copy))
-            source.write_text(text)
+            less = judged(program, list(PARTS).index(part))
             for method in ("uniform", "best"):
-                lines.append("| " + " | ".join([f"{part}, `{method}`", *cells(whole, less, method)]) + " |")
+                cells = [cell(group, whole[method, group], less[method, group]) for group in GROUPS]
+                lines.append(f"| {part} | `{method}` | {' | '.join(cells)} |")
                 print(lines[-1], flush=True)
     if not names:
-        begin, end = "<!-- ablation:begin -->", "<!-- ablation:end -->"
-        before, after = PAGE.read_text().split(begin)[0], PAGE.read_text().split(end)[1]
-        PAGE.write_text(before + "\n".join([begin, *lines, end]) + after)
+        before, rest = PAGE.read_text().split("<!-- ablation:begin -->")
+        after = rest.split("<!-- ablation:end -->")[1]
+        PAGE.write_text("\n".join([f"{before}<!-- ablation:begin -->", *lines, f"<!-- ablation:end -->{after}"]))
 
 
 if __name__ == "__main__":

@@ -50,13 +50,10 @@ def test_targets_in_pascals_are_met_and_modulation_is_played(ring):
     found = midair.sequence(array, still.with_am(200, "sqrt"), rate=RATE)
     there = found.targets > 25
     np.testing.assert_allclose(found.pressures[there], found.targets[there], rtol=2e-3)
-    # The balanced level is slightly above what two points so close together can reach.
-    with pytest.warns(midair.SceneWarning, match="missed by"):
-        relative = midair.sequence(array, ring.with_am(200, "cosine"), rate=RATE)
+    relative = midair.sequence(array, ring.with_am(200, "cosine"), rate=RATE)
     assert relative.targets.min() == pytest.approx(0.0, abs=1e-6 * relative.targets.max())
     part = relative.targets / relative.targets.max()
-    loud = (part > 0.1) & (part < 0.85)
-    np.testing.assert_allclose(relative.pressures[loud], relative.targets[loud], rtol=0.03)
+    np.testing.assert_allclose(relative.pressures[part > 0.1], relative.targets[part > 0.1], rtol=0.03)
 
 
 @pytest.mark.parametrize("step", [0.0124, 0.004, 0.002])
@@ -70,13 +67,13 @@ def test_a_modulation_without_pressures_is_of_the_highest_even_level(step: float
     level = abs(plain.pressures).min()
     assert played.targets.max() == pytest.approx(level, rel=0.01)
     assert abs(played.drives).max() > 0.98
-    assert abs(plain.modulated(200, "cosine").pressures.max() / played.pressures.max() - 1) < 0.02
+    assert abs(plain.modulated(200, "cosine").pressures.max() / played.pressures.max() - 1) < 0.04
 
 
 def test_a_fade_is_of_a_level_that_every_frame_reaches() -> None:
     array = midair.Array.preset("autd3")
     away = midair.path.line([0, 0, 0.15], [0.15, 0, 0.15], speed=1.0).modulated(100)
-    played = midair.sequence(array, away, rate=2000, change=3.15)
+    played = midair.sequence(array, away, rate=2000, change=np.pi)
     there = played.targets > 0
     assert (played.pressures[there] / played.targets[there]) == pytest.approx(1, abs=0.01)
 

@@ -45,7 +45,7 @@ const FAST: f64 = 0.5;
 const WHILE: f64 = 3e-3;
 
 /// The largest number of frames whose highest even level is computed for a path with modulations or fades.
-const JUDGED: usize = 8;
+const JUDGED: usize = 16;
 
 /// Frames of moving points with all that their solve needs.
 ///
