@@ -559,8 +559,8 @@ fn evenly(
 ) -> Result<f64, Error> {
     let uniform = registry::find("uniform")?.configure(&Options::new())?.solver;
     let (mut work, mut least, mut last) = (Workspace::new(), f64::INFINITY, None);
-    let step = (points.len() / levels.len()).div_ceil(JUDGED);
-    for frame in points.chunks_exact(levels.len()).step_by(step) {
+    let frames = || points.chunks_exact(levels.len());
+    for frame in frames().step_by(frames().len().div_ceil(JUDGED)).chain(frames().last()) {
         if last.replace(frame) == Some(frame) {
             continue;
         }
