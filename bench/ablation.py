@@ -78,7 +78,7 @@ pub(crate) fn without(part: usize) -> bool {
     if "avx512f" in Path("/proc/cpuinfo").read_text():
         # Kernels for other processors take most of the time of a build.
         kinds = copy / "core/src/kernels/simd/instruction_set.rs"
-        arm = r"Kind::(Scalar|Avx2)\(\$simd\) => \$simd\.vectorize\(\s*#\[inline\(always\)\]\s*\|\| \$body,\s*\),"
+        arm = r"Kind::(Avx2)\(\$simd\) => \$simd\.vectorize\(\s*#\[inline\(always\)\]\s*\|\| \$body,\s*\),"
         kinds.write_text(re.sub(arm, r"Kind::\1(_) => unreachable!(),", kinds.read_text()))
 
 

@@ -74,8 +74,9 @@ def test_a_fade_is_of_a_level_that_every_frame_reaches() -> None:
     array = midair.Array.preset("autd3")
     away = midair.path.line([0, 0, 0.15], [0.15, 0, 0.15], speed=1.0).modulated(100)
     played = midair.sequence(array, away, rate=2000, change=np.pi)
-    there = played.targets > 0
-    assert (played.pressures[there] / played.targets[there]) == pytest.approx(1, abs=0.01)
+    # Below that the steps of the amplitudes are larger.
+    there = played.targets > 0.3 * played.targets.max()
+    np.testing.assert_allclose(played.pressures[there], played.targets[there], rtol=0.01)
 
 
 def test_envelopes_are_taken_into_account(board):
