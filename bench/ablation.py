@@ -22,7 +22,7 @@ SOLVER = "core/src/solvers/even_field"
 PAGE = ROOT / "docs/performance/steps.md"
 
 #: Groups of scenes of core/benches/levels.rs; in the last two the error counts, in the others the level.
-GROUPS = "few,spaced,regular,unequal,many,dense,quiet,2 phases,4 phases,16 phases,asked,pictures".split(",")
+GROUPS = "few,spaced,regular,unequal,many,dense,quiet,2 phases,4 phases,16 phases,wanted,pictures".split(",")
 ERRORS = GROUPS[-2:]
 
 #: Each part: its file, a text of it, and the text instead, where {} is whether the part is left out.
@@ -86,7 +86,9 @@ def built(copy: Path) -> str:
     """Return the program of a copy of the sources."""
     settings = {"CARGO_PROFILE_BENCH_LTO": "off", "CARGO_PROFILE_BENCH_CODEGEN_UNITS": "16"}
     command = "cargo bench --quiet --package midair --bench levels --no-run --message-format=json".split()
-    lines = subprocess.run(command, cwd=copy, env=os.environ | settings, check=True, stdout=subprocess.PIPE).stdout
+    lines = subprocess.run(
+        command, cwd=copy, env=os.environ | settings, check=True, stdout=subprocess.PIPE
+    ).stdout
     programs = [json.loads(line).get("executable") for line in lines.splitlines()]
     return next(program for program in programs if program)
 
@@ -98,7 +100,9 @@ def judged(program: str, part: int | None) -> dict[tuple[str, str], Group]:
     for method in ("uniform", "best"):
         for group in GROUPS:
             before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-            run = subprocess.run([program, method, group], env=environment, check=True, capture_output=True, text=True)
+            run = subprocess.run(
+                [program, method, group], env=environment, check=True, capture_output=True, text=True
+            )
             seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
             rows = [[float(value) for value in line.split("|")[2:]] for line in run.stdout.splitlines()]
             values = [max(error, 1e-4) if group in ERRORS else level for level, _, error in rows]
@@ -107,7 +111,7 @@ def judged(program: str, part: int | None) -> dict[tuple[str, str], Group]:
 
 
 def cell(group: str, whole: Group, less: Group) -> str:
-    """Return what a group loses without a part, in %; the scenes that are uneven then; the share of the time."""
+    """Return what a group loses without a part, in %, the scenes that become uneven, and the share of the time."""
     pairs = zip(whole.values, less.values, strict=True)
     change = sum(math.log(b / a) for a, b in pairs) / len(whole.values)
     loss = 100 * (math.exp(change if group in ERRORS else -change) - 1)
@@ -119,13 +123,15 @@ def cell(group: str, whole: Group, less: Group) -> str:
 
 
 def main(names: list[str]) -> None:
-    """Print the rows, and write them to the page if all are asked."""
+    """Print the rows, and write them to the page if no part is named."""
     head = [["without", "method", *GROUPS], ["---"] * (2 + len(GROUPS))]
     lines = [f"| {' | '.join(row)} |" for row in head]
     with tempfile.TemporaryDirectory() as place:
         copy = Path(place)
         command = ["git", "ls-files", "Cargo.*", "core", "python/Cargo.toml", "python/src", "capi"]
-        for name in subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout.splitlines():
+        for name in subprocess.run(
+            command, cwd=ROOT, check=True, capture_output=True, text=True
+        ).stdout.splitlines():
             (copy / name).parent.mkdir(parents=True, exist_ok=True)
             (copy / name).write_bytes((ROOT / name).read_bytes())
         switched(copy)
@@ -140,7 +146,9 @@ def main(names: list[str]) -> None:
     if not names:
         before, rest = PAGE.read_text().split("<!-- ablation:begin -->")
         after = rest.split("<!-- ablation:end -->")[1]
-        PAGE.write_text("\n".join([f"{before}<!-- ablation:begin -->", *lines, f"<!-- ablation:end -->{after}"]))
+        PAGE.write_text(
+            "\n".join([f"{before}<!-- ablation:begin -->", *lines, f"<!-- ablation:end -->{after}"])
+        )
 
 
 if __name__ == "__main__":

@@ -108,7 +108,7 @@ fn cases(group: &str) -> Vec<Case> {
                 unlike(paper(), 48),
             ]
         }
-        "many" | "asked" => vec![
+        "many" | "wanted" => vec![
             even(paper(), drawn(&mut rng, 96)),
             even(paper(), drawn(&mut rng, 128)),
             even(board("sonicsurface", None), drawn(&mut rng, 80)),
@@ -176,7 +176,7 @@ fn main() {
                 let count = array.len() as f64;
                 *point = [point[0] + middle[0] / count, point[1] + middle[1] / count, point[2] + 0.17];
             }
-            let aim = if ["asked", "pictures"].contains(&group.as_str()) { Aim::Target } else { Aim::Max };
+            let aim = if ["wanted", "pictures"].contains(&group.as_str()) { Aim::Target } else { Aim::Max };
             let request = Request { pressures, ..Request::default() };
             let problem = Problem::new(&Scene::new(array, None, points, request).expect("a scene")).expect("a problem");
             let (problem, mut work) = (problem.with_aim(aim), Workspace::new());

@@ -58,7 +58,7 @@ def test_targets_in_pascals_are_met_and_modulation_is_played(ring):
 
 @pytest.mark.parametrize("step", [0.0124, 0.004, 0.002])
 def test_a_modulation_without_pressures_is_of_the_highest_even_level(step: float) -> None:
-    # Points nearer than a focus had the balanced level, which counts each as a focus of its own: 900 Pa instead of 2,289.
+    # The balanced level counts each of the points as a focus of its own: 900 Pa instead of 2,289.
     array = midair.Array.preset("autd3")
     points = midair.shape.circle([0, 0, 0.2], 0.01, step=step)
     still = midair.path.still(points, duration=0.01)
@@ -76,7 +76,7 @@ def test_a_fade_is_of_a_level_that_every_frame_reaches() -> None:
     played = midair.sequence(array, away, rate=2000, change=np.pi)
     # Below that the steps of the amplitudes are larger.
     there = played.targets > 0.3 * played.targets.max()
-    np.testing.assert_allclose(played.pressures[there], played.targets[there], rtol=0.01)
+    np.testing.assert_allclose(played.pressures[there], played.targets[there], rtol=0.03)
 
 
 def test_envelopes_are_taken_into_account(board):

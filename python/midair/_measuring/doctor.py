@@ -1,4 +1,4 @@
-"""`midair.doctor`: measures by a microphone, decides by limits what is dead, weak or reversed, and reports it."""
+"""`midair.doctor`: decides by limits which transducers are dead, weak or reversed, and reports it."""
 
 from __future__ import annotations
 
