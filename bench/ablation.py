@@ -1,7 +1,9 @@
-"""What each part of `uniform` and `best` earns: the solvers run without it, and are judged in groups of scenes.
+# ruff: noqa: E501, SIM905 (each part is one line)
+"""What each part of `uniform` and `best` earns: the solvers run without it, and groups of scenes judge them.
 
-`python bench/ablation.py` copies the core to a temporary folder, gives each part below a switch, builds the bench `levels` once, and
-writes the table of docs/performance/steps.md. Ten minutes on two cores. With names of parts it prints their rows only.
+`python bench/ablation.py` copies the core to a temporary folder, gives each part below a switch, builds the
+bench `levels` once, and writes the table of docs/performance/steps.md. Half an hour on one core. With names of
+parts it prints their rows only.
 """
 
 from __future__ import annotations
