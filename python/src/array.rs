@@ -46,7 +46,7 @@ use crate::ready::{Cache, Ready};
 #[derive(Clone)]
 pub(crate) struct Array {
     pub(crate) inner: midair::Array,
-    pub(crate) cache: Cache,
+    cache: Cache,
 }
 
 impl From<midair::Array> for Array {
@@ -68,7 +68,7 @@ impl Array {
             return Ok(self);
         }
         let array = values.into_iter().try_fold(self.inner, |array, (part, value)| part.put(array, value));
-        array.map(|array| self.cache.changed(array)).map_err(refused)
+        array.map(|inner| Self { cache: self.cache.changed(&inner), inner }).map_err(refused)
     }
 
     /// Returns the array prepared for a medium.

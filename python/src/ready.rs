@@ -4,7 +4,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use midair::{Extras, InstructionSet, Medium, Model, Notice, Obstacle, Workspace};
 
-use crate::array::Array;
 use crate::mesh::behind;
 use crate::prelude::*;
 
@@ -24,8 +23,8 @@ pub(crate) struct Ready {
 /// What scenes of an array share, whatever their medium.
 #[derive(Default)]
 struct Shared {
-    /// The last array that has other parts instead of this array's.
-    changed: Mutex<Option<Array>>,
+    /// The last array that has other parts instead of this array's, and its cache.
+    changed: Mutex<Option<(midair::Array, Cache)>>,
     /// Workspace of the last solve, also of the arrays with other parts.
     work: Arc<Mutex<Option<Workspace>>>,
 }
@@ -78,15 +77,15 @@ impl Cache {
         Self { ready: Arc::new(Mutex::new(Some(ready))), shared }
     }
 
-    /// Returns an array with other parts than this cache's array. Equal arrays share what is prepared.
-    pub(crate) fn changed(&self, inner: midair::Array) -> Array {
+    /// Returns the cache of an array with other parts than this cache's array. Equal arrays have the same.
+    pub(crate) fn changed(&self, array: &midair::Array) -> Self {
         let mut changed = self.shared.changed.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(array) = changed.as_ref().filter(|array| array.inner == inner) {
-            return array.clone();
+        if let Some((_, cache)) = changed.as_ref().filter(|(known, _)| known == array) {
+            return cache.clone();
         }
         let shared = Shared { work: Arc::clone(&self.shared.work), ..Shared::default() };
         let cache = Self { shared: Arc::new(shared), ..Self::default() };
-        changed.insert(Array { inner, cache }).clone()
+        changed.insert((array.clone(), cache)).1.clone()
     }
 
     /// Returns the array prepared for a medium.
