@@ -48,6 +48,7 @@ def fastest(
     *,
     closed: bool = True,
     margin: float = 0.3,
+    speed: float | None = None,
     bead: Bead | Mapping[str, Any] | None = None,
     **air: Any,
 ) -> Path:
@@ -65,6 +66,9 @@ def fastest(
     margin : float, optional
         Part of a trap's largest force along each of its axes that the run may take, below 1. The rest is for
         a board's steps, other points and draught; `midair.fly` shows whether it suffices.
+    speed : float, optional
+        Highest speed in m/s, at most 20. The transducers follow late, so a bead is behind its point by about
+        .25 ms of its way; a lower speed bounds this distance.
     bead : midair.Bead or mapping, optional
         The bead; by default that of the scene.
     **air
@@ -106,10 +110,11 @@ def fastest(
         scene = Scene(array, [[0, 0, 0]], signature="trap", bead=bead, **air)
     else:
         raise refused("array", array, "give a midair.Array or a midair.Scene")
+    top = TOP if speed is None else min(number("speed", speed, above=0), TOP)
     loop = flag("closed", closed)
     curve = _smooth(_places(points), loop)
     traps = _traps(scene, curve)
-    speeds = _speeds(scene, curve, traps, share, loop)
+    speeds = _speeds(scene, curve, traps, (share, top), loop)
     places = curve.at(_timed(curve.step, speeds, loop, share), loop)
     return from_array(places[:, None], rate=1 / TICK, closed=loop)
 
@@ -245,14 +250,18 @@ def _traps(scene: Scene, curve: _Curve) -> _Traps:
     return _Traps(axes[nearest], most[nearest])
 
 
-def _speeds(scene: Scene, curve: _Curve, traps: _Traps, share: float, loop: bool) -> Numbers:
-    """Return the squared speeds (S,) in m^2/s^2 of the fastest run, one for each step of the curve."""
+def _speeds(scene: Scene, curve: _Curve, traps: _Traps, limit: tuple[float, float], loop: bool) -> Numbers:
+    """Return the squared speeds (S,) in m^2/s^2 of the fastest run, one for each step of the curve.
+
+    `limit` is the part of a trap's force and the highest speed.
+    """
+    share, top = limit
     scale = traps.axes / (share * traps.most)[..., None]
     mass = scene._mass()
     gain = mass * np.einsum("skx,sx->sk", scale, curve.tangents)
     turn = mass * np.einsum("skx,sx->sk", scale, curve.bends)
     resist = gain / mass
-    fast = np.linspace(0, TOP, 2001)
+    fast = np.linspace(0, top, 2001)
     drags = scene._needed(np.outer(fast, [1.0, 0, 0]), np.zeros((len(fast), 3)))[:, 0]
 
     def limits(i: int, squares: Numbers) -> tuple[Numbers, Numbers]:
@@ -268,7 +277,7 @@ def _speeds(scene: Scene, curve: _Curve, traps: _Traps, share: float, loop: bool
 
     def highest(i: int, after: float) -> float:
         """Return the largest squared speed at step i from which `after` can be reached at the next step."""
-        low, high = 0.0, TOP**2
+        low, high = 0.0, top**2
         for _ in range(TIMES):
             squares = np.linspace(low, high, TRIED)
             least, _ = limits(i, squares)
@@ -279,7 +288,7 @@ def _speeds(scene: Scene, curve: _Curve, traps: _Traps, share: float, loop: bool
         return float(low)
 
     last = len(curve.places) - 1
-    most = np.full(last + 1, TOP**2)
+    most = np.full(last + 1, top**2)
     if not loop:
         most[last] = 0.0
     for _ in range(2 if loop else 1):
