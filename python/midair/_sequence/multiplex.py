@@ -13,6 +13,8 @@ from .sequence import Sequence
 
 #: Largest relative error of the mean that gives no warning, as for solvers.
 MISSED = 0.01
+#: Most rounds: more would run for hours, and the error stands still after some tens.
+MOST_ROUNDS = 10_000
 
 
 def multiplex(
@@ -37,7 +39,7 @@ def multiplex(
     rate : float
         Frames per second.
     rounds : int, optional
-        Number of times that the targets of the drives are divided anew.
+        Number of times that the targets of the drives are divided anew, at most 10,000.
     **options
         Options of the solver.
 
@@ -76,17 +78,19 @@ def multiplex(
     >>> bool(abs(pattern.rms / 300 - 1).max() < 1e-4)
     True
     """
-    count, rounds = whole("frames", frames, least=2), whole("rounds", rounds, least=1)
+    count, rounds = whole("frames", frames, least=2), whole("rounds", rounds, least=1, most=MOST_ROUNDS)
     rate = number("rate", rate, above=0)
     if not isinstance(scene, Scene) or scene.pressures is None:
         raise refused("scene", scene, "give a midair.Scene with pressures=")
     if scene.signature is not None:
         raise stated("scene.signature", "is given", "a mean is of foci, leave it out", code="conflict")
     wanted, each = scene.pressures, np.ones(len(scene.points)) if scene.weights is None else scene.weights
+    # Only ratios of weights count; in sums over points the largest is 1, so that none overflows.
+    share = each / max(each.max(), np.finfo(float).tiny)
     # Frame k begins with the points k, k + T, k + 2 T and so on.
     turns = min(count, len(wanted) + 1)
     own = np.arange(len(wanted)) % turns == np.arange(turns)[:, None]
-    if not ((each * wanted * own) > 0).any(axis=1).all():
+    if not ((share > 0) & (wanted > 0) & own).any(axis=1).all():
         raise refused("frames", frames, "each needs a point of a pressure and a weight above 0: give fewer")
     places = np.broadcast_to(scene.points, (count, *scene.points.shape))
     targets, weights, start = np.sqrt(count) * wanted * own, each * own, None
@@ -96,7 +100,7 @@ def multiplex(
             batch = solve_batch(scene, places, targets, solver, weights=weights, start=start, **options)
         pressures = np.abs(batch.drives @ gains)
         mean = np.sqrt((pressures**2).mean(axis=0))
-        missed = (each * (mean - wanted) ** 2).sum() / (each * wanted**2).sum()
+        missed = (share * (mean - wanted) ** 2).sum() / (share * wanted**2).sum()
         if missed < least:
             least, best = missed, (targets, batch.drives)
         targets = pressures * np.divide(wanted, mean, out=np.zeros(len(wanted)), where=mean > 0)

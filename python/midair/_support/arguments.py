@@ -89,10 +89,12 @@ def sized(item: str, values: NDArray[Any]) -> NDArray[Any]:
     return values
 
 
-def whole(item: str, value: Any, *, least: int) -> int:
+def whole(item: str, value: Any, *, least: int, most: int | None = None) -> int:
     """Check a whole number; return it as an int."""
-    if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer) or value < least:
-        raise refused(item, value, f"give a whole number of at least {least}", "out-of-range")
+    integer = isinstance(value, int | np.integer) and not isinstance(value, bool | np.bool_)
+    if not integer or value < least or (most is not None and value > most):
+        limits = f"of at least {least}" if most is None else f"from {least} to {most}"
+        raise refused(item, value, f"give a whole number {limits}", "out-of-range")
     return int(value)
 
 
