@@ -161,7 +161,7 @@ lint: .venv/ready ## Formatting, clippy, rustdoc, ruff, spelling: warnings are e
 	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)
 	$(call step,lint: clippy on the core and the extension and the C library (1 min),$(CARGO) clippy --workspace --all-targets --features midair/scene-file --features midair/parallel -- -D warnings)
 	$(call step,lint: the core's documentation (5 s),RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps $(CORE))
-	$(call step,lint: Python (2 s),$(BIN)/ruff check $(CODE))
+	$(call step,lint: Python (2 s),$(BIN)/ruff check $(CODE) && $(BIN)/ruff check --preview --select PLW1514 $(CODE))
 	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check $(CODE))
 	$(call step,lint: words are spelt right (2 s),$(BIN)/codespell *.md docs book core python capi bench examples firmware matlab studio/src)
 	$(call step,lint: words that docs/style.md replaces (1 s),book/words.sh)

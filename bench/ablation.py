@@ -70,18 +70,20 @@ pub(crate) fn without(part: usize) -> bool {
     *PART.get_or_init(|| std::env::var("MIDAIR_WITHOUT").ok()?.parse().ok()) == Some(part)
 }
 """
-    library.write_text(library.read_text() + switch)
+    library.write_text(library.read_text("utf-8") + switch, encoding="utf-8")
     for number, (part, (file, old, new)) in enumerate(PARTS.items()):
         source = copy / SOLVER / file
-        text = source.read_text()
+        text = source.read_text("utf-8")
         if text.count(old) != 1:
             sys.exit(f"{part}: {file} contains {old!r} {text.count(old)} times, not once")
-        source.write_text(text.replace(old, new.format(f"crate::without({number})")))
-    if "avx512f" in Path("/proc/cpuinfo").read_text():
+        source.write_text(text.replace(old, new.format(f"crate::without({number})")), encoding="utf-8")
+    if "avx512f" in Path("/proc/cpuinfo").read_text("utf-8"):
         # Kernels for other processors take most of the time of a build.
         kinds = copy / "core/src/kernels/simd/instruction_set.rs"
         arm = r"Kind::(Avx2)\(\$simd\) => \$simd\.vectorize\(\s*#\[inline\(always\)\]\s*\|\| \$body,\s*\),"
-        kinds.write_text(re.sub(arm, r"Kind::\1(_) => unreachable!(),", kinds.read_text()))
+        kinds.write_text(
+            re.sub(arm, r"Kind::\1(_) => unreachable!(),", kinds.read_text("utf-8")), encoding="utf-8"
+        )
 
 
 def built(copy: Path) -> str:
@@ -103,7 +105,7 @@ def judged(program: str, part: int | None) -> dict[tuple[str, str], Group]:
         for group in GROUPS:
             before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
             run = subprocess.run(
-                [program, method, group], env=environment, check=True, capture_output=True, text=True
+                [program, method, group], env=environment, check=True, capture_output=True, encoding="utf-8"
             )
             seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
             rows = [[float(value) for value in line.split("|")[2:]] for line in run.stdout.splitlines()]
@@ -132,7 +134,7 @@ def main(names: list[str]) -> None:
         copy = Path(place)
         command = ["git", "ls-files", "Cargo.*", "core", "python/Cargo.toml", "python/src", "capi"]
         for name in subprocess.run(
-            command, cwd=ROOT, check=True, capture_output=True, text=True
+            command, cwd=ROOT, check=True, capture_output=True, encoding="utf-8"
         ).stdout.splitlines():
             (copy / name).parent.mkdir(parents=True, exist_ok=True)
             (copy / name).write_bytes((ROOT / name).read_bytes())
@@ -146,10 +148,11 @@ def main(names: list[str]) -> None:
                 lines.append(f"| {part} | `{method}` | {' | '.join(cells)} |")
                 print(lines[-1], flush=True)
     if not names:
-        before, rest = PAGE.read_text().split("<!-- ablation:begin -->")
+        before, rest = PAGE.read_text("utf-8").split("<!-- ablation:begin -->")
         after = rest.split("<!-- ablation:end -->")[1]
         PAGE.write_text(
-            "\n".join([f"{before}<!-- ablation:begin -->", *lines, f"<!-- ablation:end -->{after}"])
+            "\n".join([f"{before}<!-- ablation:begin -->", *lines, f"<!-- ablation:end -->{after}"]),
+            encoding="utf-8",
         )
 
 

@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[1]
 
 def main() -> None:
     """Makes the scenes and writes the line."""
-    request = tomllib.loads((ROOT / "docs" / "sweeps" / "dataset.toml").read_text())
+    request = tomllib.loads((ROOT / "docs" / "sweeps" / "dataset.toml").read_text("utf-8"))
     request["seeds"] //= 10
     began = time.process_time()
     with tempfile.TemporaryDirectory() as folder:

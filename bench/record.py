@@ -31,7 +31,7 @@ _Found = dict[tuple[str, str, str, int], Row]
 def cpu() -> str:
     """Returns the architecture and the widest vector instructions that the CPU reports."""
     try:
-        flags = Path("/proc/cpuinfo").read_text().split()
+        flags = Path("/proc/cpuinfo").read_text("utf-8").split()
     except OSError:
         flags = []
     widest = next((name for name in ("avx512f", "avx2", "asimd", "sse2") if name in flags), "")
@@ -54,7 +54,7 @@ def add(name: str, rows: Sequence[Mapping[str, object]]) -> None:
 
 def read(path: Path) -> list[Row]:
     """Returns the rows of a file that `write` wrote."""
-    with path.open(newline="") as file:
+    with path.open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
 
 

@@ -60,7 +60,7 @@ class Worker:
             rival.command,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            text=True,
+            encoding="utf-8",
             env=os.environ | ONE_THREAD,
         )
         assert self._process.stdin

@@ -153,7 +153,7 @@ def measure(pipe: Path, messages: int, connections: int) -> None:
     os.mkfifo(pipe)
     frames = Frames(pipe)
     command = [sys.executable, "-m", "midair", "serve", "--on", f"file:{pipe}"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, encoding="utf-8") as server:
         assert server.stdout is not None
         # The client gets a higher priority than the busy programs, because its own delay must not count.
         before_what_computes()

@@ -30,7 +30,7 @@ def anchor(table: str, head: str) -> str:
 
 def page() -> str:
     """Returns the page: a section for each table, a row for each column."""
-    tables = tomllib.loads(SOURCE.read_text(encoding="utf-8"))
+    tables = tomllib.loads(SOURCE.read_text("utf-8"))
     sections = [HEAD]
     for name, columns in tables.items():
         commands = [f"`midair {command}`" for command, of in TABLES.items() if of == name]
@@ -40,4 +40,4 @@ def page() -> str:
 
 
 if __name__ == "__main__":
-    ROOT.joinpath("docs", "columns.md").write_text(page())
+    ROOT.joinpath("docs", "columns.md").write_text(page(), encoding="utf-8")

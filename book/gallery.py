@@ -44,7 +44,7 @@ CARD = """\
 
 def cells(path: Path, kind: str) -> list[str]:
     """Returns the cells of a notebook of one kind, "code" or "markdown"."""
-    found = json.loads(path.read_text())["cells"]
+    found = json.loads(path.read_text("utf-8"))["cells"]
     return ["".join(cell["source"]) for cell in found if cell["cell_type"] == kind]
 
 
@@ -53,7 +53,7 @@ def reported(path: Path) -> tuple[str, str]:
     if path.suffix == ".ipynb":
         title, text = cells(path, "markdown")[0].split("\n", 1)
         return title.removeprefix("# "), text.strip()
-    docstring = re.match(r'"""(.*?)"""', path.read_text(), re.DOTALL)
+    docstring = re.match(r'"""(.*?)"""', path.read_text("utf-8"), re.DOTALL)
     assert docstring, f"{path} has no docstring"
     title, text = docstring[1].split(": ", 1)
     return title, (text[0].upper() + text[1:]).strip()
@@ -77,7 +77,7 @@ def page() -> str:
 
 def scene(name: str) -> str | None:
     """Returns the studio's scene that an example uses, such as "smiley", None if it uses none."""
-    found = re.search(r'SCENES / \\?"(\w+)\.json', (EXAMPLES / name).read_text())
+    found = re.search(r'SCENES / \\?"(\w+)\.json', (EXAMPLES / name).read_text("utf-8"))
     return found[1] if found else None
 
 
@@ -110,21 +110,21 @@ def own_page(name: str, studio: bool) -> str:
 
 def program(name: str) -> str:
     """Returns the program of a script, without its description."""
-    source = (EXAMPLES / name).read_text()
+    source = (EXAMPLES / name).read_text("utf-8")
     return source[source.index('"""', 3) + 3 :].strip()
 
 
 def notebook_page(path: Path) -> str:
     """Returns a notebook's cells as Markdown."""
     kinds = {"markdown": "{}\n", "code": "```python\n{}\n```\n"}
-    found = json.loads(path.read_text())["cells"]
+    found = json.loads(path.read_text("utf-8"))["cells"]
     return "\n".join(kinds[cell["cell_type"]].format("".join(cell["source"])) for cell in found)
 
 
 def notebook(name: str) -> str:
     """Returns an example as a notebook; a script becomes one cell below its description."""
     if name.endswith(".ipynb"):
-        return (EXAMPLES / name).read_text()
+        return (EXAMPLES / name).read_text("utf-8")
     title, text = reported(EXAMPLES / name)
     code = program(name).replace("Path(__file__).parents[1]", "Path.cwd().parent")
     cell = {"metadata": {}, "outputs": [], "execution_count": None}

@@ -77,7 +77,7 @@ def shown(path: str) -> str:
         return f"# {path}\n\n" + "".join(f"- [{name}]({name})\n" for name in names)
     if path in EXAMPLES:
         return gallery.own_page(EXAMPLES[path], STUDIO.is_dir())
-    text = (ROOT / path).read_text()
+    text = (ROOT / path).read_text("utf-8")
     return text if path.endswith(".md") else f"# {path}\n\n```{Path(path).suffix[1:]}\n{text}```\n"
 
 

@@ -22,7 +22,7 @@ class Page(HTMLParser):
         self.anchors: set[str] = {""}
         self.links: list[str] = []
         self.loads: list[str] = []
-        self.feed(path.read_text())
+        self.feed(path.read_text("utf-8"))
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         """Collects anchors, links and loaded files of a tag."""
@@ -54,7 +54,7 @@ def faults(site: Path) -> list[str]:
             elif target in pages and unquote(parts.fragment) not in pages[target].anchors:
                 found.append(f"{where}: {url} has no such anchor")
     for path in site.rglob("*.css"):
-        for url in re.findall(r"url\(['\"]?(?:https?:)?//[^)]*", path.read_text()):
+        for url in re.findall(r"url\(['\"]?(?:https?:)?//[^)]*", path.read_text("utf-8")):
             found.append(f"{path.relative_to(site)}: loads {url} from elsewhere")
     return found
 

@@ -46,7 +46,9 @@ def names() -> Iterator[str]:
 
 def faults(site: Path) -> list[str]:
     """Returns the names without an anchor."""
-    pages = "".join(path.read_text() for path in sorted((site / "reference" / "python").glob("*.html")))
+    pages = "".join(
+        path.read_text("utf-8") for path in sorted((site / "reference" / "python").glob("*.html"))
+    )
     anchors = [f".{anchor}" for anchor in re.findall(r' id="(midair\.[^"]+)"', pages)]
     return sorted({name for name in names() if not any(anchor.endswith(f".{name}") for anchor in anchors)})
 

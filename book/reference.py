@@ -138,7 +138,7 @@ def source(name: str) -> str:
     written = re.compile(
         rf"^pub\(crate\) fn {name}\b|^ *pub\(crate\) struct {name}\b|^    {name}( \{{|,)$", re.MULTILINE
     )
-    files = [path for path in ROOT.glob("python/src/*.rs") if written.search(path.read_text())]
+    files = [path for path in ROOT.glob("python/src/*.rs") if written.search(path.read_text("utf-8"))]
     assert len(files) == 1, f"{name} is written in {files}"
     return files[0].relative_to(ROOT).as_posix()
 

@@ -184,4 +184,4 @@ WRITTEN = {
 
 if __name__ == "__main__":
     for name, content in WRITTEN.items():
-        (ROOT / name).write_text(content())
+        (ROOT / name).write_text(content(), encoding="utf-8")

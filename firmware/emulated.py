@@ -77,7 +77,9 @@ def emulated(target: Path, method: str, array: str, board: str, points: int) -> 
         quiet = ["-display", "none", "-monitor", "none"]
         semihosting = ",".join(["enable=on", "target=native", *words])
         ends = ["-serial", f"file:{line}", "-semihosting-config", semihosting, "-kernel", str(program)]
-        reported = subprocess.run([*machine, *quiet, *ends], capture_output=True, text=True, timeout=300)
+        reported = subprocess.run(
+            [*machine, *quiet, *ends], capture_output=True, encoding="utf-8", timeout=300
+        )
         if reported.returncode != 0:
             raise RuntimeError(
                 f"{method} {array} {board} {points}: {reported.stdout[-500:]}{reported.stderr[-500:]}"
@@ -91,7 +93,7 @@ def here(target: Path, method: str, array: str, board: str, points: int) -> Run:
     """Computes the frames of `emulated` on this machine, with the scalar instruction set."""
     program = target / "release" / "examples" / "pc"
     words = [str(program), method, array, board, str(points)]
-    reported = subprocess.run(words, capture_output=True, text=True, check=True)
+    reported = subprocess.run(words, capture_output=True, encoding="utf-8", check=True)
     pairs = [text.split() for text in reported.stdout.splitlines()]
     line = b"".join(bytes.fromhex(value) for name, value in pairs if name == "frame")
     return Run({}, [value for name, value in pairs if name == "drive"], line)

@@ -44,7 +44,9 @@ def seeds(name: str) -> list[Path]:
         golden = WORK / "golden"
         golden.mkdir(parents=True, exist_ok=True)
         for path in (record.ROOT / "golden").glob("*.json"):
-            (golden / path.name).write_text(json.dumps(json.loads(path.read_text())["scene"]))
+            (golden / path.name).write_text(
+                json.dumps(json.loads(path.read_text("utf-8"))["scene"]), encoding="utf-8"
+            )
         folders += [golden, record.ROOT / "docs" / "scenes"]
     if name.startswith("sweep"):
         folders += [FUZZ / "corpus" / "sweep_file", record.ROOT / "docs" / "sweeps"]
@@ -90,7 +92,7 @@ def run(name: str, code: str, seconds: int, executions: int) -> bool:
         except KeyboardInterrupt:
             stopped = True
             process.wait(60)
-    text = log.read_text(errors="replace")
+    text = log.read_text(errors="replace", encoding="utf-8")
     executed = re.findall(r"number_of_executed_units: (\d+)|^#(\d+)", text, re.M)
     done = max((int(number) for pair in executed for number in pair if number), default=0)
     edges = int((re.findall(r"\bcov: (\d+)", text) or ["0"])[-1])

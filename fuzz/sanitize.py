@@ -93,7 +93,7 @@ def run(check: Check) -> bool:
             limited, stdout=file, stderr=file, cwd=record.ROOT, env=environment
         ).returncode
     seconds = time.monotonic() - begun
-    text = log.read_text(errors="replace")
+    text = log.read_text(errors="replace", encoding="utf-8")
     count = sum(map(int, re.findall(r"test result: \w+\. (\d+) passed", text)))
     inputs = re.search(r"number_of_executed_units: (\d+)", text)
     ran = f"{inputs[1]} inputs" if inputs else f"{count} tests"

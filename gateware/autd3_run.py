@@ -52,7 +52,7 @@ def record(firmware: str) -> None:
     wire.close()
     emulator.close()
     lines = ",\n".join(json.dumps(row) for row in rows)
-    (RECORDS / f"{firmware}.json").write_text(f"[\n{lines}\n]\n")
+    (RECORDS / f"{firmware}.json").write_text(f"[\n{lines}\n]\n", "utf-8")
     print(f"firmware {firmware}: {sum(before)} steps of {BOARDS} devices")
 
 

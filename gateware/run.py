@@ -63,7 +63,7 @@ def harmonic(times: NDArray[np.float64], levels: NDArray[np.int64], period: floa
 
 
 def ghdl(folder: Path, *words: str) -> str:
-    run = subprocess.run(["ghdl", *words], cwd=folder, capture_output=True, text=True)
+    run = subprocess.run(["ghdl", *words], cwd=folder, capture_output=True, encoding="utf-8")
     if run.returncode:
         raise SystemExit(f"ghdl {' '.join(words)}:\n{run.stdout[-2000:]}{run.stderr[-2000:]}")
     return run.stdout + run.stderr
@@ -123,7 +123,7 @@ def openmpd(makers: Path, folder: Path) -> Play:
 def mega64(makers: Path, folder: Path) -> Play:
     binary = makers / "Ultraino/DriverBoards/ArduinoMega64/firmware/DriverMEGA/DriverMEGA.ino.mega.hex"
     java = makers / "Ultraino/AcousticFieldSim/src/acousticfield3d/protocols/ArduinoMEGA64.java"
-    table = re.search(r"PORT_MAPPING = \{([\d, ]+)\}", java.read_text())
+    table = re.search(r"PORT_MAPPING = \{([\d, ]+)\}", java.read_text("utf-8"))
     assert table, "the makers' pin of each channel"
     mapping = [int(pin) for pin in table[1].split(",")]
     program = folder / "mega64"
@@ -131,7 +131,7 @@ def mega64(makers: Path, folder: Path) -> Play:
     subprocess.run(compiler, check=True)
 
     def play(frame: Path) -> Pins:
-        printed = subprocess.check_output([str(program), str(binary), str(frame)], text=True)
+        printed = subprocess.check_output([str(program), str(binary), str(frame)], encoding="utf-8")
         words = [line.split() for line in printed.splitlines()]
         pins = []
         for port in "ACLBKFHDGJ":
@@ -174,7 +174,7 @@ def tactile(makers: Path, folder: Path) -> None:
     rows = [[int(bit) for bit in reversed(f"{int(word, 16):0256b}")] for word in printed if len(word) == 64]
     bits = np.array(rows)[: len(rows) // 16 * 16].reshape(-1, 16, 256)
     on = bits.any(axis=1).sum(axis=1)
-    table = re.search(r":= \(([\d,]+)\)", (source / "Distribute.vhd").read_text())
+    table = re.search(r":= \(([\d,]+)\)", (source / "Distribute.vhd").read_text("utf-8"))
     assert table, "the makers' table of polarities"
     codes = np.frombuffer(frame, np.uint8)[1:257] + np.array(table[1].split(","), int)
     ticks = np.arange(17.0)
@@ -258,7 +258,9 @@ def record(case: Case, play: Play, folder: Path) -> None:
         print(row if np.allclose(pins[~on], 0) else f"{row}  pins that are off move")
         rounded = [[round(float(pin.real), 5), round(float(pin.imag), 5)] for pin in pins]
         frames.append({"drive": name, "bytes": file.read_bytes().hex(), "pins": rounded})
-    (RECORDS / f"{case.board}.json").write_text(json.dumps({"board": case.board, "frames": frames}) + "\n")
+    (RECORDS / f"{case.board}.json").write_text(
+        json.dumps({"board": case.board, "frames": frames}) + "\n", encoding="utf-8"
+    )
 
 
 if __name__ == "__main__":

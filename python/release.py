@@ -25,7 +25,7 @@ from typing import Any
 ROOT = Path(__file__).parents[1]
 OUT = ROOT / "out" / "release"
 BIN = Path(sys.executable).parent
-VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
+VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text("utf-8"))["workspace"]["package"]["version"]
 PYTHONS = ("3.11", "3.12", "3.13", "3.14")
 THIRD_PARTY = ROOT / "python" / "THIRD-PARTY.md"
 #: Licences of crates in a wheel that are allowed: none requires more than a copy of its text.
@@ -50,7 +50,9 @@ def say(text: str) -> None:
 
 
 def run(*command: object, cwd: Path = ROOT, env: dict[str, str] | None = None) -> str:
-    done = subprocess.run([str(word) for word in command], cwd=cwd, env=env, capture_output=True, text=True)
+    done = subprocess.run(
+        [str(word) for word in command], cwd=cwd, env=env, capture_output=True, encoding="utf-8"
+    )
     if done.returncode:
         raise SystemExit(f"{' '.join(map(str, command))}:\n{done.stdout}{done.stderr}")
     return done.stdout
@@ -133,7 +135,7 @@ def empty(python: str) -> Iterator[tuple[Path, dict[str, str]]]:
 
 def example() -> str:
     """Returns the first Python program of the README."""
-    found = re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    found = re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
     assert found
     return found[1]
 
@@ -143,7 +145,7 @@ def try_wheel(python: str) -> None:
     with the installed wheel.
     """
     with empty(python) as (folder, env):
-        (folder / "board.toml").write_text(BOARD)
+        (folder / "board.toml").write_text(BOARD, "utf-8")
         for command in (
             ("python", "-c", example()),
             ("midair", "new", "scene.toml"),
@@ -155,7 +157,9 @@ def try_wheel(python: str) -> None:
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
         command = ["midair", "studio", "--no-browser", "--port", str(port)]
-        with subprocess.Popen(command, cwd=folder, env=env, stdout=subprocess.PIPE, text=True) as served:
+        with subprocess.Popen(
+            command, cwd=folder, env=env, stdout=subprocess.PIPE, encoding="utf-8"
+        ) as served:
             try:
                 module = fetched(f"http://127.0.0.1:{port}/midair.wasm")
             finally:
@@ -179,7 +183,7 @@ def try_node() -> None:
     """Tests the example of the package for Node in an empty folder."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "package.json").write_text('{"name": "empty", "private": true, "type": "module"}')
+        (folder / "package.json").write_text('{"name": "empty", "private": true, "type": "module"}', "utf-8")
         run("npm", "install", "--silent", "--no-audit", "--no-fund", *OUT.glob("midair-*.tgz"), cwd=folder)
         run("node", "node_modules/midair/example.mjs", cwd=folder)
 
@@ -192,13 +196,13 @@ def try_crate() -> None:
         run("cargo", "init", "--quiet", "--vcs", "none", "--name", "first", "first", cwd=folder)
         program = folder / "first"
         run("cargo", "add", "--quiet", "midair", "--path", f"../midair-{VERSION}", cwd=program)
-        text = (ROOT / "docs" / "rust.md").read_text()
+        text = (ROOT / "docs" / "rust.md").read_text("utf-8")
         found = re.search(r"```rust\n(.*?)```", text, re.DOTALL)
         assert found
         body = found[1].replace("# Ok::<(), midair::Error>(())", "Ok(())")
         uses, _, rest = body.partition("\n\n")
         (program / "src" / "main.rs").write_text(
-            f"{uses}\n\nfn main() -> Result<(), midair::Error> {{\n{rest}}}\n"
+            f"{uses}\n\nfn main() -> Result<(), midair::Error> {{\n{rest}}}\n", encoding="utf-8"
         )
         run(
             "cargo",

@@ -42,4 +42,4 @@ def main() -> None:
             image.save(DOCS / "gallery" / f"{Path(name).stem}.webp", quality=80, method=6)
             plt.close("all")
         os.chdir(DOCS)
-    PAGE.write_text(page())
+    PAGE.write_text(page(), encoding="utf-8")

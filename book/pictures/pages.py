@@ -38,7 +38,7 @@ def boards() -> None:
 
 def embedded() -> None:
     """Draws the number of instructions per frame over the number of points, from docs/embedded.md."""
-    rows = re.findall(r"^\| `(\w+)` \|(.*)\|$", (DOCS / "embedded.md").read_text(), re.MULTILINE)
+    rows = re.findall(r"^\| `(\w+)` \|(.*)\|$", (DOCS / "embedded.md").read_text("utf-8"), re.MULTILINE)
     cells = [
         (name, [float(cell.replace(",", "")) for cell in row.split("|")]) for name, row in rows if "." in row
     ]

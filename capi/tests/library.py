@@ -32,7 +32,7 @@ class Library:
     """Calls the functions of the C library by name. A text may be a str, a list a NumPy array."""
 
     def __init__(self, prefix: Path) -> None:
-        header = (prefix / "include" / "midair.h").read_text()
+        header = (prefix / "include" / "midair.h").read_text("utf-8")
         self.abi = int(re.findall(r"^#define MIDAIR_ABI (\d+)$", header, re.MULTILINE)[0])
         self.names = []
         self._functions = CDLL(str(prefix / "lib" / "libmidair.so"))

@@ -27,7 +27,7 @@ EXAMPLES = sorted((ROOT / "examples").glob("c*/solve.c*"))
 )
 def test_headers_stand_alone(flags: list[str], tmp_path: Path, compiler: list[str], header: str) -> None:
     source = tmp_path / "source"
-    source.write_text(f"#include <{header}>\n#include <{header}>\nint nothing;\n")
+    source.write_text(f"#include <{header}>\n#include <{header}>\nint nothing;\n", "utf-8")
     run(*compiler, *STRICT, "-c", source, *flags, "-o", tmp_path / "object")
 
 
@@ -40,18 +40,18 @@ def test_examples(compiled: Build, source: Path) -> None:
 
 @pytest.mark.parametrize("language", ["c", "cpp"])
 def test_the_page(compiled: Build, tmp_path: Path, language: str) -> None:
-    blocks = re.findall(rf"^```{language}\n(.*?)^```", PAGE.read_text(), re.MULTILINE | re.DOTALL)
+    blocks = re.findall(rf"^```{language}\n(.*?)^```", PAGE.read_text("utf-8"), re.MULTILINE | re.DOTALL)
     assert blocks
     for block in blocks:
         source = tmp_path / f"page.{language}"
-        source.write_text(block)
+        source.write_text(block, "utf-8")
         # The programs on the page check their results themselves.
         assert "assert(" in block
         run(compiled(source))
 
 
 def test_the_page_lists_every_function(library: Library) -> None:
-    assert re.findall(r"^\| `(midair_\w+)` \|", PAGE.read_text(), re.MULTILINE) == library.names
+    assert re.findall(r"^\| `(midair_\w+)` \|", PAGE.read_text("utf-8"), re.MULTILINE) == library.names
 
 
 def test_a_static_link(prefix: Path, flags: list[str], tmp_path: Path) -> None:

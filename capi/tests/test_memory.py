@@ -42,7 +42,9 @@ def test_a_second_solve_allocates_nothing(compiled: Build) -> None:
     program = compiled(MANY)
 
     def allocations(calls: int) -> int:
-        done = subprocess.run([*VALGRIND, program, "solves", str(calls)], capture_output=True, text=True)
+        done = subprocess.run(
+            [*VALGRIND, program, "solves", str(calls)], capture_output=True, encoding="utf-8"
+        )
         assert done.returncode == 0, done.stderr
         (found,) = re.findall(r"total heap usage: ([\d,]+) allocs", done.stderr)
         return int(found.replace(",", ""))
@@ -65,6 +67,6 @@ def test_the_address_sanitizer_finds_nothing(compiled: Build, source: Path) -> N
 def test_a_forgotten_handle_would_be_found(compiled: Build, tmp_path: Path) -> None:
     need("valgrind")
     source = tmp_path / "forgetful.c"
-    source.write_text(FORGETFUL)
+    source.write_text(FORGETFUL, "utf-8")
     assert subprocess.run([*VALGRIND, compiled(source)], capture_output=True).returncode == 9
     assert subprocess.run([compiled(source, "-fsanitize=address")], capture_output=True).returncode != 0

@@ -54,7 +54,7 @@ def test_a_motion_file_is_played_as_by_the_package(library: Library, name: str, 
     start = np.array([[-0.02, 0, 0.12], [0.02, 0, 0.12], [0, 0.02, 0.14]])
     np.save(tmp_path / "points.npy", start + random)
     file = tmp_path / "motion.toml"
-    file.write_text(FILES[name])
+    file.write_text(FILES[name], "utf-8")
     moving = document.read(file)
     assert moving is not None
     wanted = moving.solve()
@@ -129,7 +129,7 @@ def test_points_that_are_too_fast_are_reported_as_by_the_package(library: Librar
     handle = np.zeros(1, np.uintp)
     said = library.done("session_open", text, None, handle)
     library.plain("session_free", c_void_p(int(handle[0])))
-    (tmp_path / "motion.toml").write_text(text)
+    (tmp_path / "motion.toml").write_text(text, "utf-8")
     with pytest.warns(midair.SceneWarning) as reported:
         document.read(tmp_path / "motion.toml").solve()
     assert [said] == [str(each.message) for each in reported if "m/s needs" in str(each.message)]

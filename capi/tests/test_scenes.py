@@ -88,7 +88,7 @@ def test_a_bead_by_name_is_that_of_a_scene(library: Library) -> None:
 
 
 def test_files_are_looked_up_in_the_folder(library: Library, tmp_path: Path) -> None:
-    (tmp_path / "a.csv").write_text("0,0,0\n0.01,0,0\n0,0.01,0\n0.01,0.01,0\n")
+    (tmp_path / "a.csv").write_text("0,0,0\n0.01,0,0\n0,0.01,0\n0.01,0.01,0\n", "utf-8")
     text = '[array]\npositions = { file = "a.csv" }\n' + POINTS
     session = library.new("session_open", text, str(tmp_path))
     assert library.plain("session_transducers", session) == 4

@@ -127,7 +127,7 @@ def drive_of(printed: str) -> np.ndarray:
 
 def test_a_serial_board_gets_silence_frames_and_silence(program: Callable[..., str], tmp_path: Path) -> None:
     need("cc")
-    (tmp_path / "lines.c").write_text(CONTROL_LINES)
+    (tmp_path / "lines.c").write_text(CONTROL_LINES, "utf-8")
     run("cc", "-shared", "-fPIC", "-o", tmp_path / "lines.so", tmp_path / "lines.c", "-ldl")
     master, slave = os.openpty()
     tty.setraw(slave)

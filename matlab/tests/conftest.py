@@ -19,9 +19,9 @@ def octave(tmp_path: Path) -> Callable[[str], str]:
     def run(program: str) -> str:
         script = tmp_path / "program.m"
         paths = "".join(f"addpath('{folder}');" for folder in (FOLDER, FOLDER / "tests"))
-        script.write_text(f"{paths}\n{program}\n")
+        script.write_text(f"{paths}\n{program}\n", "utf-8")
         command = ["octave-cli", "--norc", "--quiet", str(script)]
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, encoding="utf-8")
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout
 

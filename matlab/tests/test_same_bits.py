@@ -68,9 +68,9 @@ def expected(solution: midair.Solution) -> bytes:
 @pytest.mark.parametrize("name", SCENES)
 def test_a_scene_from_text(octave: Octave, tmp_path: Path, name: str) -> None:
     text = SCENES[name] + POINTS
-    (tmp_path / "scene.toml").write_text(text)
+    (tmp_path / "scene.toml").write_text(text, "utf-8")
     scene = midair.Scene.parse(text)
-    (tmp_path / "scene.json").write_text(scene.json())
+    (tmp_path / "scene.json").write_text(scene.json(), encoding="utf-8")
     # A scene that is solved for other points in between still has its own request.
     octave(f"""{START}
     for form = {{'toml', 'json'}}
@@ -156,7 +156,7 @@ def test_a_motion_and_its_bytes(octave: Octave, tmp_path: Path) -> None:
         '[array]\npreset = "sonicsurface"\n[motion]\nrate = 200.0\n[[motion.path]]\nkind = "circle"\n'
         "center = [0.0, 0.0, 0.12]\nradius = 0.01\nfrequency = 10.0\npoints = 2\n"
     )
-    (tmp_path / "motion.toml").write_text(text)
+    (tmp_path / "motion.toml").write_text(text, "utf-8")
     octave(f"""{START}
     scene = midair.Scene(fileread('motion.toml'));
     s = midair.sequence(scene);
@@ -180,7 +180,7 @@ def test_a_motion_and_its_bytes(octave: Octave, tmp_path: Path) -> None:
 
 def test_files_are_looked_up_in_the_folder(octave: Octave, tmp_path: Path) -> None:
     (tmp_path / "ü").mkdir()
-    (tmp_path / "ü" / "a.csv").write_text("0,0,0\n0.01,0,0\n0,0.01,0\n")
+    (tmp_path / "ü" / "a.csv").write_text("0,0,0\n0.01,0,0\n0,0.01,0\n", "utf-8")
     octave("""
     content = struct('array', struct('positions', struct('file', 'a.csv')), 'points', [0 0 0.1]);
     solution = midair.solve(midair.Scene(content, fullfile(pwd, 'ü')));

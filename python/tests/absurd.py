@@ -23,9 +23,11 @@ ANGLE = np.linspace(0, 2 * np.pi, 24, endpoint=False)
 RING = 5e-3 * np.stack([np.cos(ANGLE), np.sin(ANGLE), 0 * ANGLE], axis=1)
 
 FOLDER = Path(tempfile.mkdtemp())
-(FOLDER / "g").write_text("G0 X-10 Y0 Z150\nG1 X10 F6000\nG2 X0 Y10 I-10 J0\n")
-(FOLDER / "l").write_text("L0 0 0 0 3.14 L1 0.001 0 0 3.14 L0\n")
-(FOLDER / "s").write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0 L9 0 L9 9 Z"/></svg>')
+(FOLDER / "g").write_text("G0 X-10 Y0 Z150\nG1 X10 F6000\nG2 X0 Y10 I-10 J0\n", "utf-8")
+(FOLDER / "l").write_text("L0 0 0 0 3.14 L1 0.001 0 0 3.14 L0\n", "utf-8")
+(FOLDER / "s").write_text(
+    '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0 L9 0 L9 9 Z"/></svg>', "utf-8"
+)
 
 PAIR_OF_FOCI = midair.Scene(ARRAY, LINE, pressures=100.0)
 REQUEST: dict[str, Any] = {

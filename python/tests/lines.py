@@ -5,7 +5,6 @@ import os
 import select
 import threading
 import time
-import tty
 
 OFF = 32
 
@@ -56,6 +55,9 @@ class Line:
     """
 
     def __init__(self, boards=1):
+        # Windows, where other tests import this module, does not have it.
+        import tty
+
         self.master, slave = os.openpty()
         tty.setraw(slave)
         self.port = os.ttyname(slave)

@@ -90,7 +90,7 @@ def written(paths: Iterable[Path]) -> int:
         elif path.suffix == ".parquet":
             count += sane(pyarrow.parquet.read_table(path).to_pydict(), path.name)
         elif path.suffix == ".csv":
-            head, *rows = (line.split(",") for line in path.read_text().splitlines())
+            head, *rows = (line.split(",") for line in path.read_text("utf-8").splitlines())
             count += sane(dict(zip(head, zip(*rows, strict=True), strict=True)), path.name)
         elif path.suffix == ".png":
             assert path.stat().st_size > 1000, path

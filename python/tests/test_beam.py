@@ -90,7 +90,7 @@ def test_arcs_of_g_code_are_circles() -> None:
 
 def test_lines_of_g_code(tmp_path: Path) -> None:
     program = "%\nN10 G20 G90\nG1 X1 Y0 Z0\nG91 Y.5\nx-1 z+.25\nM30\n%"
-    (tmp_path / "a.gcode").write_text(program)
+    (tmp_path / "a.gcode").write_text(program, "utf-8")
     inch = 25.4e-3
     path = midair.path.gcode(tmp_path / "a.gcode", speed=0.5 * inch, origin=[0, 0, 0.1])
     at = path.at([0.0, 1.0])[:, 0]
@@ -156,7 +156,8 @@ def test_a_program_of_l_code_moves_points_frame_by_frame(tmp_path: Path) -> None
     program = tmp_path / "two.lcode"
     program.write_text(
         "C5:WGS;\nC6:I200;\nC7;\nC11:200;\nL1:0.0,0.02,0.0:0,0,0.01;\nL1:0.01,0.01,0.0:0,0,0.02;# turn\n"
-        "C3:10;\nL1:0.02,0.0,0.0:0,0,0.03;\nL4;\n"
+        "C3:10;\nL1:0.02,0.0,0.0:0,0,0.03;\nL4;\n",
+        encoding="utf-8",
     )
     moved = midair.path.lcode(program, origin=[0, 0, 0.1])
     first = np.array([[0, 0.02, 0.1], [0, 0, 0.11]])

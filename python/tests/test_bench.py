@@ -40,7 +40,7 @@ def test_the_pages_tables_are_made_from_the_newest_record() -> None:
 
 
 def test_no_table_of_the_readme_is_longer_than_a_screen() -> None:
-    tables = re.findall(r"(?:^\|.*\n)+", (ROOT / "README.md").read_text(), re.MULTILINE)
+    tables = re.findall(r"(?:^\|.*\n)+", (ROOT / "README.md").read_text("utf-8"), re.MULTILINE)
     assert len(tables) >= 3
     assert all(len(table.splitlines()) < 40 for table in tables)
 
@@ -84,15 +84,15 @@ def test_gs_pats_own_setting_is_a_table_of_its_own() -> None:
 
 def test_a_page_without_markers_is_left_alone(tmp_path: Path) -> None:
     page = tmp_path / "README.md"
-    page.write_text("no table")
+    page.write_text("no table", "utf-8")
     with pytest.raises(SystemExit, match="has no text between <!-- bench:begin --> and"):
         marked.put(page, "bench", "a table")
-    assert page.read_text() == "no table"
+    assert page.read_text("utf-8") == "no table"
 
 
 def test_a_table_is_put_between_its_markers_and_read_again(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
-    page.write_text("before\n<!-- a:begin -->\nold\n<!-- a:end -->\nafter\n")
+    page.write_text("before\n<!-- a:begin -->\nold\n<!-- a:end -->\nafter\n", "utf-8")
     rows = [["|p|", "1"], [r"\phi", "2"]]
     marked.put(page, "a", marked.table(["what", "value"], rows))
     before, inside, after = marked.parts(page, "a")

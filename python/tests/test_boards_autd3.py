@@ -55,7 +55,7 @@ def test_autd3_places_transducers_where_the_array_has_them(count: int) -> None:
 def test_what_autd3_writes_of_the_boards_is_the_array(count: int, tmp_path: Path) -> None:
     array = some_boards(count)
     path = tmp_path / "boards.json"
-    path.write_text(geometry(some_poses(count)).to_json())
+    path.write_text(geometry(some_poses(count)).to_json(), encoding="utf-8")
     again = midair.Array.from_file(path)
     assert again.positions == pytest.approx(array.positions, abs=1e-6)
     assert again.normals == pytest.approx(array.normals, abs=1e-6)
@@ -188,7 +188,9 @@ def test_rates_are_whole_periods(rate: float) -> None:
 
 
 def python(code: str) -> str:
-    return subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
+    return subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, encoding="utf-8"
+    ).stdout
 
 
 @pytest.mark.slow

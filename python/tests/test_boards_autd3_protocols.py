@@ -37,7 +37,7 @@ def fake(request: pytest.FixtureRequest) -> Iterator[Fake]:
 
 @pytest.mark.slow
 def test_boards_get_the_recorded_steps(fake: Fake) -> None:
-    rows = json.loads((RECORDS / f"{FIRMWARE[fake.versions[0]]}.json").read_text())
+    rows = json.loads((RECORDS / f"{FIRMWARE[fake.versions[0]]}.json").read_text("utf-8"))
     transport = Autd3Transport(fake.address, BOARDS)
     for act, row in zip(acts(transport), rows, strict=True):
         act()
@@ -65,7 +65,7 @@ EXPECTED = [
 
 @pytest.mark.parametrize("firmware", FIRMWARE.values())
 def test_the_makers_emulators_had_what_was_meant(firmware: str) -> None:
-    rows = json.loads((RECORDS / f"{firmware}.json").read_text())
+    rows = json.loads((RECORDS / f"{firmware}.json").read_text("utf-8"))
     for row, (frames, divider, samples, steps) in zip(rows, EXPECTED, strict=True):
         for k, device in enumerate(row["devices"]):
             parts = [CODES[(f * BOARDS + k) * SIZE :][:SIZE] for f in frames] if frames else [bytes(SIZE)]

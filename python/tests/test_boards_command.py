@@ -18,7 +18,7 @@ SCENE = '[array]\npreset = "sonicsurface"\n\n[[points]]\nposition = [0.0, 0.0, 0
 
 def midair(*words: str, status: int = 0) -> subprocess.CompletedProcess[str]:
     done = subprocess.run(
-        [sys.executable, "-m", "midair", *words], capture_output=True, text=True, timeout=60
+        [sys.executable, "-m", "midair", *words], capture_output=True, encoding="utf-8", timeout=60
     )
     assert done.returncode == status, done.stderr
     return done
@@ -27,7 +27,7 @@ def midair(*words: str, status: int = 0) -> subprocess.CompletedProcess[str]:
 @pytest.fixture
 def scene(tmp_path: Path) -> Path:
     path = tmp_path / "scene.toml"
-    path.write_text(SCENE)
+    path.write_text(SCENE, "utf-8")
     return path
 
 
@@ -64,7 +64,8 @@ def test_a_scene_a_drive_and_a_sequence_are_played(scene: Path, tmp_path: Path) 
     motion = tmp_path / "motion.toml"
     motion.write_text(
         '[array]\npreset = "sonicsurface"\n\n[motion]\nrate = 40\nchange = 3.2\n\n'
-        '[[motion.path]]\nkind = "line"\nstart = [0, 0, 0.15]\nend = [0.02, 0, 0.15]\nspeed = 0.04\n'
+        '[[motion.path]]\nkind = "line"\nstart = [0, 0, 0.15]\nend = [0.02, 0, 0.15]\nspeed = 0.04\n',
+        encoding="utf-8",
     )
     found = re.search(
         r"(\d+) frames, (\d+) late", midair("play", str(motion), "--on", "sonicsurface:loop").stderr
@@ -79,7 +80,7 @@ def test_ctrl_c_turns_off(scene: Path) -> None:
     program = subprocess.Popen(
         [sys.executable, "-m", "midair", "play", str(scene), "--on", "sonicsurface:loop"],
         stderr=subprocess.PIPE,
-        text=True,
+        encoding="utf-8",
     )
     assert program.stderr is not None
     assert "playing" in program.stderr.readline()
@@ -131,7 +132,7 @@ def test_off_says_which_board_it_was_reported_as() -> None:
 @pytest.mark.slow
 def test_a_file_of_what_moves_is_sent_to_the_command_for_it(tmp_path: Path) -> None:
     path = tmp_path / "motion.toml"
-    path.write_text(SCENE.split("[[points]]")[0] + "[motion]\nrate = 40\n")
+    path.write_text(SCENE.split("[[points]]")[0] + "[motion]\nrate = 40\n", encoding="utf-8")
     assert (
         "its points move: midair motion solves it and midair play plays it"
         in midair("solve", str(path), status=2).stderr

@@ -384,7 +384,7 @@ def test_several_threads_may_send(loop):
 def python(script, *paths):
     """Runs a script in a new interpreter and returns its output."""
     code = f"import sys; sys.path[:0] = {json.dumps([str(path) for path in paths])}\n{script}"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, encoding="utf-8", check=True)
     return done.stdout.strip()
 
 

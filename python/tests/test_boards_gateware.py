@@ -171,7 +171,7 @@ AHEAD = {"openmpd_pair": -1.498}
 def test_pins_of_the_makers_gateware_do_what_a_frame_is_reported_to_do(name: str) -> None:
     """Compares frames that `make gateware` recorded: random drives, a focus, and quiet points beside it."""
     board = midair.Board(name)
-    record = json.loads((RECORDS / f"{name}.json").read_text())
+    record = json.loads((RECORDS / f"{name}.json").read_text("utf-8"))
     for frame in record["frames"]:
         pins = np.array(frame["pins"]) @ [1, 1j]
         pins[256:] *= np.exp(-1j * AHEAD.get(name, 0))

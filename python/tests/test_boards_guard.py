@@ -43,7 +43,11 @@ def forking():
     script = str(Path(__file__).with_name("programs.py"))
     # A process group of its own: the kernel drops SIGTSTP in a group without a parent outside of it.
     return subprocess.Popen(
-        [sys.executable, script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, process_group=0
+        [sys.executable, script],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        encoding="utf-8",
+        process_group=0,
     )
 
 
@@ -144,7 +148,7 @@ def test_a_guard_that_is_killed_is_missed(line, number, dark, _):
 def test_an_opening_that_is_interrupted_is_given_up(monkeypatch, tmp_path):
     import midair
 
-    (tmp_path / "serial.py").write_text("import time\ntime.sleep(30)\n")
+    (tmp_path / "serial.py").write_text("import time\ntime.sleep(30)\n", encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
     threading.Timer(0.5, os.kill, [os.getpid(), signal.SIGINT]).start()
     begin = time.monotonic()

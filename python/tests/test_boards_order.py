@@ -105,9 +105,9 @@ def test_the_pins_of_an_ultraino_file_are_played(tmp_path: Path) -> None:
 
 
 def test_pins_of_a_file_that_are_no_channels_are_a_warning(tmp_path: Path) -> None:
-    text = (DATA / "pins_reversed.xml").read_text().replace("<int>62</int>", "<int>63</int>", 1)
+    text = (DATA / "pins_reversed.xml").read_text("utf-8").replace("<int>62</int>", "<int>63</int>", 1)
     path = tmp_path / "twice.xml"
-    path.write_text(text)
+    path.write_text(text, "utf-8")
     with pytest.warns(midair.SceneWarning, match="driverPinNumber 63 of .* is no channel of one transducer"):
         assert midair.Array.from_file(path).pins is None
 
@@ -126,7 +126,7 @@ def test_acoustools_files_of_one_board_are_put_in_order(ending: str, tmp_path: P
     np.testing.assert_allclose(midair.read(path), drive, atol=0.11)
     if ending == "csv":
         # x varies slowly, then y upwards.
-        own = np.array(path.read_text().splitlines()[1].split(","), float)
+        own = np.array(path.read_text("utf-8").splitlines()[1].split(","), float)
         rows = np.lexsort((board.positions[:, 1], board.positions[:, 0].round(6)))
         np.testing.assert_allclose(np.exp(1j * own), drive[rows], atol=1e-6)
     far = midair.solve(midair.Scene(midair.Array(board.positions * 1.2), point), "naive")

@@ -125,7 +125,7 @@ def test_a_program_needs_nothing_more_from_the_disk_to_turn_the_board_off(line):
         "surface._guard._silence()\n"
         "print(*set(sys.modules) - known)\n"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, encoding="utf-8", check=True)
     assert done.stdout.split() == []
 
 
@@ -163,7 +163,7 @@ def test_a_call_that_keeps_the_device_busy_for_longer_than_hold_is_no_silence(mo
 @pytest.mark.parametrize("executable", ["itself", None, ""])
 def test_a_frozen_application_is_not_started_as_its_own_guard(monkeypatch, tmp_path, executable):
     application = tmp_path / "application"
-    application.write_text("#!/bin/sh\necho started >> " + str(tmp_path / "starts") + "\n")
+    application.write_text("#!/bin/sh\necho started >> " + str(tmp_path / "starts") + "\n", encoding="utf-8")
     application.chmod(0o700)
     monkeypatch.setattr(sys, "frozen", True, raising=False)
     monkeypatch.setattr(sys, "executable", str(application) if executable == "itself" else executable)
@@ -185,12 +185,13 @@ def test_a_program_in_place_of_an_interpreter_starts_itself_once(monkeypatch, tm
     starts = tmp_path / "starts"
     application.write_text(
         f'#!/bin/sh\necho started >> {starts}\nexec {sys.executable} -c "import sys\n'
-        f"sys.executable = '{application}'\nimport midair\nmidair.connect('sonicsurface:loop')\"\n"
+        f"sys.executable = '{application}'\nimport midair\nmidair.connect('sonicsurface:loop')\"\n",
+        encoding="utf-8",
     )
     application.chmod(0o700)
-    reported = subprocess.run([application], capture_output=True, text=True, timeout=60)
+    reported = subprocess.run([application], capture_output=True, encoding="utf-8", timeout=60)
     assert reported.returncode == 1
-    assert starts.read_text().count("started") == 2
+    assert starts.read_text("utf-8").count("started") == 2
 
 
 def test_a_limit_is_its_own_and_cannot_be_written_to():
@@ -214,7 +215,9 @@ def test_a_limit_that_is_no_number_is_refused(pressure):
 
 
 def test_errors_of_a_library_come_as_errors_of_boards_in_one_line(monkeypatch, tmp_path):
-    (tmp_path / "serial.py").write_text("class Odd(Exception): pass\nraise Odd('two\\nlines')\n")
+    (tmp_path / "serial.py").write_text(
+        "class Odd(Exception): pass\nraise Odd('two\\nlines')\n", encoding="utf-8"
+    )
     monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(midair.BoardError) as error:
         midair.connect("sonicsurface:/dev/ttyUSB0")

@@ -36,7 +36,7 @@ def line():
 
 def guard_of(owner: int) -> int:
     """Returns the process number of the guard: the owner's only child."""
-    (guard,) = Path(f"/proc/{owner}/task/{owner}/children").read_text().split()
+    (guard,) = Path(f"/proc/{owner}/task/{owner}/children").read_text("utf-8").split()
     return int(guard)
 
 

@@ -97,7 +97,7 @@ def test_a_sphere_is_its_series(kind: Any, radius: float, away: float) -> None:
 
 @pytest.mark.filterwarnings("ignore:array.positions")
 def test_a_sphere_of_pistons_is_what_least_squares_find() -> None:
-    reported = json.loads((Path(__file__).parent / "sphere_pistons.json").read_text())
+    reported = json.loads((Path(__file__).parent / "sphere_pistons.json").read_text("utf-8"))
     air = {name: reported[name] for name in ("frequency", "sound_speed")}
     for case in reported["cases"]:
         sphere = midair.Sphere(case["center"], case["radius"], case["kind"])
@@ -243,17 +243,17 @@ def test_files_of_modellers(tmp_path: Path) -> None:
         "points": [{"position": [0, 0, 0.145]}],
         "obstacles": [{"file": "ball.stl", "scale": 1e-3, "offset": [0, 0, 0.1], "kind": "soft"}],
     }
-    (tmp_path / "scene.json").write_text(json.dumps(text))
+    (tmp_path / "scene.json").write_text(json.dumps(text), encoding="utf-8")
     scene = midair.Scene.load(tmp_path / "scene.json")
     assert repr(scene.obstacles) == "[<midair.Mesh of 80 faces, 16 x 16 x 16 mm, soft>]"
     text["obstacles"][0]["file"] = "gone.stl"
-    (tmp_path / "scene.json").write_text(json.dumps(text))
+    (tmp_path / "scene.json").write_text(json.dumps(text), encoding="utf-8")
     with pytest.raises(
         midair.SceneError, match=r'obstacles\[0\].file is "[^"]*gone.stl": there is no such file'
     ):
         midair.Scene.load(tmp_path / "scene.json")
     (tmp_path / "empty.stl").write_bytes(b"solid nothing\nendsolid\n")
-    (tmp_path / "text.xyzzy").write_text("no mesh")
+    (tmp_path / "text.xyzzy").write_text("no mesh", "utf-8")
     for name in ("empty.stl", "text.xyzzy", "gone.stl"):
         with pytest.raises(midair.SceneError) as refusal:
             midair.Mesh.from_file(tmp_path / name)
@@ -267,7 +267,9 @@ def test_files_of_modellers(tmp_path: Path) -> None:
         "f " + " ".join(f"{v + 1}/{3 * k + c + 1}" for c, v in enumerate(face))
         for k, face in enumerate(faces)
     ]
-    (tmp_path / "seams.obj").write_text("\n".join([*corners, *seams, "f 1/1 1/2 2/3"]) + "\n")
+    (tmp_path / "seams.obj").write_text(
+        "\n".join([*corners, *seams, "f 1/1 1/2 2/3"]) + "\n", encoding="utf-8"
+    )
     assert len(midair.Mesh.from_file(tmp_path / "seams.obj", scale=1e-3).faces) == 80
     (tmp_path / "half.stl").write_bytes((tmp_path / "ball.stl").read_bytes()[:1000])
     for name, reported in [
@@ -345,7 +347,9 @@ def test_memory_is_requested_before_it_is_taken() -> None:
         "midair.Scene(midair.Array.grid(4, 3, 0.01), [[0, 0, 0.145]], obstacles=[test_bodies.ball()])"
     )
     environment = os.environ | {"MIDAIR_MEMORY": "10MB", "PYTHONPATH": str(Path(__file__).parent)}
-    found = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
+    found = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, encoding="utf-8"
+    )
     assert (
         "MemoryError: the boundary of the meshes of N = 12 transducers and M = 1280 points needs 0.013 GB"
         in (found.stderr)
@@ -366,7 +370,7 @@ def test_ctrl_c_is_noticed_while_a_mesh_is_solved(tmp_path: Path) -> None:
         env=environment,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
-        text=True,
+        encoding="utf-8",
     )
     assert program.stdout is not None
     assert program.stdout.readline() == "now\n"

@@ -89,15 +89,15 @@ def test_every_preset_is_described(reference: ModuleType) -> None:
 
 def test_the_page_of_columns_is_what_the_package_prints(book: Callable[[str], ModuleType]) -> None:
     page = book("columns").page()
-    assert (ROOT / "docs" / "columns.md").read_text() == page, "run `make generated`"
+    assert (ROOT / "docs" / "columns.md").read_text("utf-8") == page, "run `make generated`"
 
 
 def test_the_page_of_names_is_what_the_docstrings_say(reference: ModuleType) -> None:
-    assert (ROOT / "docs" / "api.md").read_text(encoding="utf-8") == reference.index(), "run `make generated`"
+    assert (ROOT / "docs" / "api.md").read_text("utf-8") == reference.index(), "run `make generated`"
 
 
 def test_the_landing_page_leads_to_what_most_people_want() -> None:
-    landing = (ROOT / "docs" / "index.md").read_text()
+    landing = (ROOT / "docs" / "index.md").read_text("utf-8")
     wanted = [
         "boards.md#sonicsurface",
         "tutorials/letter.md",
@@ -111,7 +111,7 @@ def test_the_landing_page_leads_to_what_most_people_want() -> None:
 
 
 def test_every_page_is_in_the_navigation(reference: ModuleType) -> None:
-    navigation = (ROOT / "book" / "mkdocs.yml").read_text().split("\nnav:\n")[1]
+    navigation = (ROOT / "book" / "mkdocs.yml").read_text("utf-8").split("\nnav:\n")[1]
     listed = re.findall(r": (\S+\.md)$", navigation, re.MULTILINE)
     written = [page for page, _ in reference.pages()]
     pages = [path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")]

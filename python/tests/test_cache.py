@@ -108,7 +108,7 @@ def test_a_spoilt_piece_is_solved_anew(name: str, stopped: Path, whole: midair.S
 
 def test_what_is_of_others_in_the_folder_stays(stopped: Path, whole: midair.Sequence) -> None:
     folder = pieces(stopped)[0].parent
-    (folder / "precious.txt").write_text("mine")
+    (folder / "precious.txt").write_text("mine", "utf-8")
     (folder / ".000000000000.npz.4000000.part").touch()
     assert solved(stopped) == whole
     assert [file.name for file in folder.iterdir()] == ["precious.txt"]
@@ -128,7 +128,7 @@ def start(path: Path, slow: float, most: int = 0) -> "subprocess.Popen[str]":
     """
     script = SCRIPT.format(tests=str(Path(__file__).parent), path=str(path), slow=slow, most=most)
     return subprocess.Popen(
-        [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8"
     )
 
 
@@ -212,7 +212,7 @@ def test_kept_sound_of_a_mesh_with_a_flipped_bit_is_none(
     # A file with the content for one mesh is not read for another mesh.
     boundary.path(b"other")[0].write_bytes(content)
     assert boundary.load(b"other", (40, 30)) is None
-    (tmp_path / "notes.npz").write_text("mine")
+    (tmp_path / "notes.npz").write_text("mine", "utf-8")
     monkeypatch.setattr(boundary, "MOST", 0)
     boundary.prune(tmp_path)
     assert [file.name for file in tmp_path.iterdir()] == ["notes.npz"]
@@ -240,7 +240,7 @@ def test_a_file_with_another_content_is_never_replaced(tmp_path: Path, whole: mi
     finished, sequence, text, solution = (tmp_path / f"{name}.npz" for name in "abcd")
     assert solved(finished) == whole
     whole.save(sequence)
-    text.write_text("notes")
+    text.write_text("notes", "utf-8")
     midair.solve(midair.Scene(BOARD, [[0, 0, 0.1]])).save(solution)
     contents = {file: file.read_bytes() for file in tmp_path.iterdir()}
     for file, more in ((finished, {"change": 0.1}), (sequence, {}), (text, {}), (solution, {})):

@@ -48,7 +48,7 @@ Run = Callable[..., tuple[int, str, str]]
 @pytest.fixture(autouse=True)
 def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("scene.toml").write_text(SCENE)
+    Path("scene.toml").write_text(SCENE, "utf-8")
 
 
 @pytest.fixture
@@ -69,7 +69,7 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
 def midair_process(*arguments: str) -> subprocess.CompletedProcess[str]:
     """Runs the command line in a process of its own."""
     command = [sys.executable, "-m", "midair", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=HANG, check=False)
+    return subprocess.run(command, capture_output=True, encoding="utf-8", timeout=HANG, check=False)
 
 
 def files() -> set[str]:
@@ -87,7 +87,9 @@ def test_module_and_script_are_the_same_program() -> None:
     ran = midair_process("solve", "scene.toml")
     assert (ran.returncode, ran.stderr) == (0, "")
     assert "greedy" in ran.stdout
-    version = subprocess.run([script, "--version"], capture_output=True, text=True, timeout=HANG, check=True)
+    version = subprocess.run(
+        [script, "--version"], capture_output=True, encoding="utf-8", timeout=HANG, check=True
+    )
     assert version.stdout == midair_process("--version").stdout == midair.__version__ + "\n"
     assert files() == {"scene.toml"}
 
@@ -155,12 +157,14 @@ def test_order_may_be_a_permutation(run: Run) -> None:
     assert same_bits(
         np.load("a.npz")["drive"], midair.solve(midair.Scene.load("scene.toml"), order=order).drive
     )
-    Path("two.toml").write_text(SCENE.replace("nx = 8, ny = 6", "nx = 2, ny = 1").replace("900", "90"))
+    Path("two.toml").write_text(
+        SCENE.replace("nx = 8, ny = 6", "nx = 2, ny = 1").replace("900", "90"), encoding="utf-8"
+    )
     assert run("solve", "two.toml", "--order", "[1,0]")[0] == 0
 
 
 def replayed(text: str) -> midair.Solution:
-    Path("replay.json").write_text(text)
+    Path("replay.json").write_text(text, "utf-8")
     return midair.solve(midair.Scene.load("replay.json"))
 
 
@@ -202,7 +206,7 @@ def test_json_holds_the_same_as_plain_numbers(run: Run) -> None:
     assert run("solve", "scene.toml", "--output", "drive.json")[0] == 0
     assert files() == {"scene.toml", "drive.json"}
     scene, solution = expected()
-    record = json.loads(Path("drive.json").read_text())
+    record = json.loads(Path("drive.json").read_text("utf-8"))
     reals = ["amplitudes", "phases", "positions", "points", "targets"]
     others = {"scale", "steps", "elapsed", "scene", "scene_solver"}
     assert set(record) == {"drive", "pressures", *reals, *METRICS, *others}
@@ -221,7 +225,7 @@ def test_json_holds_the_same_as_plain_numbers(run: Run) -> None:
 def test_csv_has_a_row_for_each_transducer(run: Run) -> None:
     assert run("solve", "scene.toml", "-o", "DRIVE.CSV")[0] == 0
     scene, solution = expected()
-    text = Path("DRIVE.CSV").read_text()
+    text = Path("DRIVE.CSV").read_text("utf-8")
     assert text.startswith("index,x,y,z,amplitude,phase\n0,")
     header, *rows = csv.reader(text.splitlines())
     assert header == ["index", "x", "y", "z", "amplitude", "phase"]
@@ -233,9 +237,9 @@ def test_csv_has_a_row_for_each_transducer(run: Run) -> None:
 
 
 def test_a_file_that_was_there_is_replaced_whole(run: Run) -> None:
-    Path("drive.csv").write_text("old\n" * 10000)
+    Path("drive.csv").write_text("old\n" * 10000, "utf-8")
     assert run("solve", "scene.toml", "-o", "drive.csv")[0] == 0
-    assert len(Path("drive.csv").read_text().splitlines()) == 49
+    assert len(Path("drive.csv").read_text("utf-8").splitlines()) == 49
     assert files() == {"scene.toml", "drive.csv"}
 
 
@@ -261,7 +265,7 @@ def test_image_is_a_picture_of_sane_size(run: Run) -> None:
     width, height = png_size("field.png")
     assert 600 < height < width < 4000
     run("solve", "scene.toml", "--image", "field.svg")
-    assert "<svg" in Path("field.svg").read_text()
+    assert "<svg" in Path("field.svg").read_text("utf-8")
 
 
 @pytest.mark.slow
@@ -271,7 +275,7 @@ def test_images_count_the_scale_in_and_show_the_quantity_requested(
 ) -> None:
     board = "grid = { nx = 8, ny = 6, pitch = 0.01 }\nquantization = { phases = 32, amplitudes = [0, 1] }"
     text = SCENE.replace("grid = { nx = 8, ny = 6, pitch = 0.01 }", board).replace("00.0", ".0")
-    Path("weak.toml").write_text(text.replace("amplitudes = 2\n", "balance = true\n"))
+    Path("weak.toml").write_text(text.replace("amplitudes = 2\n", "balance = true\n"), encoding="utf-8")
     figures = []
     for module in (solve, compare):
         monkeypatch.setattr(module, "write_image", lambda path, figure: figures.append(figure))
@@ -320,7 +324,7 @@ def test_compare_takes_some_solvers_in_the_order_given(run: Run) -> None:
 
 
 def test_leak_is_reported_where_there_are_quiet_points(run: Run) -> None:
-    Path("quiet.toml").write_text(SCENE.replace("pressure = 1700.0", "pressure = 0"))
+    Path("quiet.toml").write_text(SCENE.replace("pressure = 1700.0", "pressure = 0"), encoding="utf-8")
     leak = midair.solve(midair.Scene.load("quiet.toml")).metrics.leak
     out = run("solve", "quiet.toml")[1]
     assert "leak" in out
@@ -329,7 +333,7 @@ def test_leak_is_reported_where_there_are_quiet_points(run: Run) -> None:
 
 
 def test_weak_targets_are_warned_of_in_one_line(run: Run) -> None:
-    Path("weak.toml").write_text(SCENE.replace("00.0", ".0"))
+    Path("weak.toml").write_text(SCENE.replace("00.0", ".0"), encoding="utf-8")
     for _ in range(2):
         status, out, err = run("solve", "weak.toml", "-o", "drive.csv")
         assert status == 0
@@ -373,12 +377,12 @@ main({arguments!r})
 def test_ctrl_c_and_sigterm_write_the_whole_file_of_what_was_found(number: signal.Signals) -> None:
     # 40,000 steps of some milliseconds: a program that ends within HANG was stopped between steps.
     Path("long.toml").write_text(
-        SCENE.replace("nx = 8, ny = 6, pitch = 0.01", "nx = 200, ny = 200, pitch = 0.005")
+        SCENE.replace("nx = 8, ny = 6, pitch = 0.01", "nx = 200, ny = 200, pitch = 0.005"), encoding="utf-8"
     )
     arguments = ["solve", "long.toml", "--phases", "4096", "--amplitudes", "256", "-o", "drive.json"]
     arguments += ["--image", "field.png"]
     command = [sys.executable, "-c", LONG.format(arguments=arguments)]
-    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8")
     try:
         assert child.stdout.readline() == "ready\n"
         child.send_signal(number)
@@ -389,7 +393,7 @@ def test_ctrl_c_and_sigterm_write_the_whole_file_of_what_was_found(number: signa
     assert child.returncode == 128 + number
     assert "Traceback" not in err
     assert "stopped" in out
-    record = json.loads(Path("drive.json").read_text())
+    record = json.loads(Path("drive.json").read_text("utf-8"))
     assert json.loads(record["scene"])["status"] == "stopped"
     drive = np.array(record["drive"])
     assert drive.shape == (40000, 2)

@@ -37,9 +37,9 @@ Run = Callable[..., tuple[int, str, str]]
 @pytest.fixture(autouse=True)
 def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("row.csv").write_text(ROW)
-    Path("scene.toml").write_text(SCENE)
-    Path("scene.json").write_text(midair.Scene.load("scene.toml").json())
+    Path("row.csv").write_text(ROW, "utf-8")
+    Path("scene.toml").write_text(SCENE, "utf-8")
+    Path("scene.json").write_text(midair.Scene.load("scene.toml").json(), encoding="utf-8")
 
 
 @pytest.fixture
@@ -59,7 +59,7 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
 
 
 def give(monkeypatch: pytest.MonkeyPatch, text: bytes) -> None:
-    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(text)))
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(text), encoding="utf-8"))
 
 
 def test_an_output_is_never_what_the_scene_is_read_from(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -95,12 +95,12 @@ def test_an_output_is_never_what_the_scene_is_read_from(run: Run, monkeypatch: p
 
 @pytest.mark.skipif(os.name == "nt", reason="files of POSIX")
 def test_an_output_keeps_its_link_and_mode_and_no_device_is_replaced(run: Run) -> None:
-    Path("real.csv").write_text("old")
+    Path("real.csv").write_text("old", "utf-8")
     Path("real.csv").chmod(0o600)
     Path("link.csv").symlink_to("real.csv")
     assert run("solve", "scene.toml", "-o", "link.csv")[0] == 0
     assert Path("link.csv").is_symlink()
-    assert Path("real.csv").read_text().startswith("index,")
+    assert Path("real.csv").read_text("utf-8").startswith("index,")
     assert Path("real.csv").stat().st_mode & 0o777 == 0o600
     os.mkfifo("pipe.csv")
     Path("null.csv").symlink_to("/dev/null")
@@ -135,10 +135,10 @@ def test_parts_of_the_dead_go_and_those_of_the_living_stay(run: Run) -> None:
         "drive.csv.1",
     ]
     for name in dead + others:
-        Path(name).write_text("half")
+        Path(name).write_text("half", "utf-8")
     assert run("solve", "scene.toml", "-o", "drive.csv")[0] == run("solve", "scene.toml", "-o", long)[0] == 0
     assert not [name for name in dead if Path(name).exists()]
-    assert [Path(name).read_text() for name in others] == ["half"] * len(others)
+    assert [Path(name).read_text("utf-8") for name in others] == ["half"] * len(others)
 
 
 def test_a_scene_may_come_from_standard_input(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -171,14 +171,14 @@ def test_a_scene_that_names_a_file_finds_it_beside_itself(run: Run, tmp_path: Pa
     # A saved scene contains the positions themselves.
     scene.save("own.toml")
     assert midair.Scene.load("own.toml").array.positions.tolist() == scene.array.positions.tolist()
-    (tmp_path / "row.csv").write_text(ROW + "1,two,3\n")
+    (tmp_path / "row.csv").write_text(ROW + "1,two,3\n", "utf-8")
     status, _, err = run("solve", "../scene.toml")
     assert (status, err.startswith('error: ../row.csv, line 14: y is "two": give a number')) == (2, True), err
 
 
 def test_text_is_a_scene_too() -> None:
     scene = midair.Scene.load("scene.json")
-    text = Path("scene.json").read_text()
+    text = Path("scene.json").read_text("utf-8")
     for given in (text, text.encode()):
         assert same_bits(midair.Scene.parse(given).array.positions, scene.array.positions)
     assert len(midair.Scene.parse(SCENE, folder=".").array) == 12
@@ -218,11 +218,13 @@ def program(*arguments: str, **options: object) -> subprocess.CompletedProcess[s
 )
 def test_streams_may_be_closed_or_full(line: str, status: int) -> None:
     script = f'set -o pipefail; "{sys.executable}" -m midair {line}'
-    ran = subprocess.run(["bash", "-c", script], capture_output=True, text=True, timeout=HANG, check=False)
+    ran = subprocess.run(
+        ["bash", "-c", script], capture_output=True, encoding="utf-8", timeout=HANG, check=False
+    )
     assert ran.returncode == status
     assert len(ran.stderr.splitlines()) == (1 if "no" not in line and status == 2 else 0), ran.stderr
     if "drive.csv" in line:
-        assert len(Path("drive.csv").read_text().splitlines()) == 13
+        assert len(Path("drive.csv").read_text("utf-8").splitlines()) == 13
 
 
 @pytest.mark.slow
@@ -289,7 +291,7 @@ output.write = slow
 cli.main(["solve", "scene.toml", "-o", "drive.csv"])
 """
     child = subprocess.Popen(
-        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8"
     )
     try:
         assert child.stdout.readline() == "ready\n"

@@ -120,7 +120,7 @@ Refuse = Callable[..., str]
 @pytest.fixture(autouse=True)
 def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("scene.toml").write_text(SCENE)
+    Path("scene.toml").write_text(SCENE, "utf-8")
     for ending in ("toml", "csv", "png"):
         Path(f"folder.{ending}").mkdir()
 
@@ -226,7 +226,7 @@ def test_write_that_fails_leaves_nothing_behind(
             part.write(content[: len(content) // 2])
         raise OSError(28, "No space left on device", str(path))
 
-    Path("out.npz").write_text("old")
+    Path("out.npz").write_text("old", "utf-8")
     monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(SystemExit) as left:
         cli.main(["solve", "scene.toml", "-o", "out.npz"])
@@ -234,7 +234,7 @@ def test_write_that_fails_leaves_nothing_behind(
     assert left.value.code == 2
     *_, last = err.splitlines()
     assert last.startswith("error: No space left on device")
-    assert Path("out.npz").read_text() == "old"
+    assert Path("out.npz").read_text("utf-8") == "old"
     assert not list(Path().glob("*.part")) + list(Path().glob(".*"))
 
 
@@ -245,6 +245,6 @@ def test_write_that_fails_leaves_nothing_behind(
 )
 def test_process_says_the_same(command: str) -> None:
     program = [sys.executable, "-m", "midair", *command.split()]
-    ran = subprocess.run(program, capture_output=True, text=True, timeout=HANG, check=False)
+    ran = subprocess.run(program, capture_output=True, encoding="utf-8", timeout=HANG, check=False)
     check(ran.returncode, ran.stdout, ran.stderr)
     assert not Path("out.csv").exists()

@@ -167,8 +167,8 @@ def inputs(folder: Path) -> None:
     scene.save(folder / "scene.toml")
     midair.solve(scene, "naive").save(folder / "drive.npz")
     midair.Scene(midair.Array.preset("sonicsurface"), scene.points).save(folder / "board.toml")
-    (folder / "sweep.toml").write_text(SWEEP)
-    (folder / "motion.toml").write_text(MOTION)
+    (folder / "sweep.toml").write_text(SWEEP, "utf-8")
+    (folder / "motion.toml").write_text(MOTION, "utf-8")
     few = midair.Scene(midair.Array.grid(3, 3, 0.01), scene.points)
     drives = np.exp(2j * np.pi * np.random.default_rng(0).random((20, 9)))
     known = {"drives": drives, "readings": drives @ few.propagation().T, "microphones": few.points}

@@ -40,7 +40,7 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
 
 def test_a_new_scene_solves_well_and_replaces_nothing(run: Run) -> None:
     assert run("new")[:2] == (0, "wrote scene.toml; solve it with: midair solve scene.toml\n")
-    text = Path("scene.toml").read_text()
+    text = Path("scene.toml").read_text("utf-8")
     assert run("new", "-") == (0, text, "")
     status, out, err = run("solve", "scene.toml", "--json")
     assert (status, err) == (0, "")
@@ -62,7 +62,7 @@ def test_a_new_scene_solves_well_and_replaces_nothing(run: Run) -> None:
     for name in ("scene.toml", "link.toml", "none/scene.toml", "scene.txt", "."):
         status, out, err = run("new", name)
         assert (status, out, len(err.splitlines())) == (2, "", 1)
-    assert Path("scene.toml").read_text() == text
+    assert Path("scene.toml").read_text("utf-8") == text
 
 
 def test_a_scene_is_typed_in_one_line(run: Run) -> None:
@@ -131,7 +131,7 @@ def test_names_are_typed_as_one_likes(run: Run) -> None:
 
 def test_solve_tells_a_program_what_it_tells_people(run: Run) -> None:
     status, out, _ = run("solve", "--preset", "autd3", *AT, "--pressure", "900", "--json", "-o", "drive.json")
-    record, written = json.loads(out), json.loads(Path("drive.json").read_text())
+    record, written = json.loads(out), json.loads(Path("drive.json").read_text("utf-8"))
     assert status == 0
     assert {key: record[key] for key in record.keys() & written.keys()} == {
         key: written[key] for key in record.keys() & written.keys()
@@ -170,7 +170,7 @@ def test_a_comparison_is_a_table_for_programs_too(run: Run) -> None:
     scene.save("scene.json")
     line = ["compare", "scene.json", "--solvers", "Naive,GS"]
     assert run(*line, "-o", "table.csv")[1].splitlines()[-1] == "wrote table.csv"
-    rows = [*csv.DictReader(Path("table.csv").read_text().splitlines())]
+    rows = [*csv.DictReader(Path("table.csv").read_text("utf-8").splitlines())]
     assert [row["solver"] for row in rows] == ["naive", "gs"]
     for row in rows:
         assert np.isclose(
@@ -179,7 +179,7 @@ def test_a_comparison_is_a_table_for_programs_too(run: Run) -> None:
     record = json.loads(run(*line, "--json", "-o", "table.json")[1])
     assert [row["solver"] for row in record["solvers"]] == ["naive", "gs"]
     assert record["bound"] == midair.bound(scene)
-    assert json.loads(Path("table.json").read_text()) == record
+    assert json.loads(Path("table.json").read_text("utf-8")) == record
     assert run(*line, "-o", "-")[1].startswith("solver,accuracy,")
     for more, reported in [("-o table.txt", ".csv or .json"), ("-o - --json", "both want standard output")]:
         status, _, err = run(*line, *more.split())

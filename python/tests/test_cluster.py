@@ -35,7 +35,9 @@ name = "lm"
 
 def sweep(folder: Path, *arguments: str) -> subprocess.Popen[str]:
     command = [sys.executable, "-m", "midair", "sweep", "sweep.toml", *arguments]
-    return subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return subprocess.Popen(
+        command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8"
+    )
 
 
 class Cluster:
@@ -48,7 +50,7 @@ class Cluster:
             self.start("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", file)
         ]
         self.until(lambda: file.is_file() and file.stat().st_size > 0)
-        self.address = json.loads(file.read_text())["address"]
+        self.address = json.loads(file.read_text("utf-8"))["address"]
         host = ["--host", "127.0.0.1", "--nthreads", "1", "--no-nanny", "--local-directory", folder]
         self.processes += [self.start("worker", self.address, *host) for _ in range(2)]
 
@@ -72,7 +74,7 @@ class Cluster:
 
 @pytest.fixture
 def cluster(tmp_path: Path) -> Iterator[Cluster]:
-    (tmp_path / "sweep.toml").write_text(SWEEP)
+    (tmp_path / "sweep.toml").write_text(SWEEP, "utf-8")
     made = Cluster(tmp_path)
     yield made
     made.close()
@@ -90,7 +92,7 @@ def test_a_killed_worker_changes_no_number(cluster: Cluster, tmp_path: Path) -> 
     near = sweep(tmp_path, "--output", "near.csv")
     assert not near.communicate(timeout=HANG)[1]
     assert (tmp_path / "far.csv").read_bytes() == (tmp_path / "near.csv").read_bytes()
-    assert len((tmp_path / "far.csv").read_text().splitlines()) == 601
+    assert len((tmp_path / "far.csv").read_text("utf-8").splitlines()) == 601
 
 
 @pytest.mark.slow
@@ -120,7 +122,7 @@ def test_ctrl_c_keeps_what_is_done(cluster: Cluster, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_scheduler_that_does_not_answer_is_one_line_within_ten_seconds(tmp_path: Path) -> None:
-    (tmp_path / "sweep.toml").write_text(SWEEP)
+    (tmp_path / "sweep.toml").write_text(SWEEP, "utf-8")
     with socket.create_server(("127.0.0.1", 0)) as silent:
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
         refused = sweep(tmp_path, "--output", "far.csv", "--scheduler", address)

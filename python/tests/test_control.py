@@ -133,7 +133,11 @@ def test_callback_may_solve_by_itself() -> None:
 def run(code: str, **environment: str) -> str:
     """Runs code in a new interpreter and returns its output."""
     ran = subprocess.run(
-        [sys.executable, "-c", code], env=os.environ | environment, check=True, capture_output=True, text=True
+        [sys.executable, "-c", code],
+        env=os.environ | environment,
+        check=True,
+        capture_output=True,
+        encoding="utf-8",
     )
     return ran.stdout
 
@@ -153,7 +157,7 @@ POSIX = pytest.mark.skipif(os.name == "nt", reason="signals and fork of POSIX")
 def test_a_forked_child_has_threads_of_its_own() -> None:
     # The parent has used all its threads before the fork; the child must start its own.
     ran = subprocess.run(
-        [sys.executable, "-c", FORKED], capture_output=True, text=True, timeout=HANG, check=True
+        [sys.executable, "-c", FORKED], capture_output=True, encoding="utf-8", timeout=HANG, check=True
     )
     assert ran.stdout == "0 True\n"
 
@@ -186,7 +190,7 @@ leave(130)
 @pytest.mark.parametrize("end", ["", "library.set()"])
 def test_ctrl_c_leaves_a_call_of_a_library_behind(end: str) -> None:
     command = [sys.executable, "-c", LEFT_BEHIND.format(end)]
-    ran = subprocess.run(command, capture_output=True, text=True, timeout=HANG / 2)
+    ran = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=HANG / 2)
     assert (ran.stdout, ran.stderr, ran.returncode) == ("3 True 3\n", "", 130)
 
 

@@ -154,7 +154,9 @@ def test_ctrl_c_acts_at_any_moment_of_whatever_takes_long(name: str, threads: in
         "PYTHONFAULTHANDLER": "1",
     }
     command = [sys.executable, "-c", program]
-    ran = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=HANG * MOMENTS)
+    ran = subprocess.run(
+        command, env=environment, capture_output=True, encoding="utf-8", timeout=HANG * MOMENTS
+    )
     assert ran.returncode == 0, ran.stderr[-2000:]
     late = [float(line) for line in ran.stdout.split()]
     print(f"{name}: at most {max(late):.2f} s of CPU after the signal")
@@ -177,5 +179,5 @@ except KeyboardInterrupt:
     print("stopped")
 """
     command = [sys.executable, "-c", program, str(tmp_path / "scene.toml")]
-    ran = subprocess.run(command, capture_output=True, text=True, timeout=HANG)
+    ran = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=HANG)
     assert ran.stdout == "stopped\n", ran.stderr

@@ -118,7 +118,7 @@ def test_a_request_that_makes_no_set_is_refused(tmp_path: Path, change: dict[str
 
 def test_nobodys_files_are_replaced(tmp_path: Path) -> None:
     request = {**REQUEST, "seeds": 10}
-    (tmp_path / "notes.txt").write_text("mine")
+    (tmp_path / "notes.txt").write_text("mine", "utf-8")
     with pytest.raises(midair.SceneError, match="holds other files"):
         midair.dataset(request, tmp_path)
     with pytest.raises(midair.SceneError, match="is a file"):
@@ -128,15 +128,15 @@ def test_nobodys_files_are_replaced(tmp_path: Path) -> None:
         midair.dataset({**request, "seeds": 11}, tmp_path / "scenes")
     with pytest.raises(midair.SceneError, match="is no data set"):
         midair.Dataset(tmp_path)
-    (tmp_path / "scenes" / "dataset.json").write_text("{")
+    (tmp_path / "scenes" / "dataset.json").write_text("{", "utf-8")
     with pytest.raises(midair.SceneError, match="is damaged"):
         _ = midair.Dataset(tmp_path / "scenes").array
-    assert (tmp_path / "notes.txt").read_text() == "mine"
+    assert (tmp_path / "notes.txt").read_text("utf-8") == "mine"
 
 
 def test_the_manifest_says_what_is_in_it(tmp_path: Path) -> None:
     made = midair.dataset({**REQUEST, "seeds": 20}, tmp_path / "scenes")
-    manifest = json.loads((made.folder / "dataset.json").read_text())
+    manifest = json.loads((made.folder / "dataset.json").read_text("utf-8"))
     assert manifest["scenes"] == 40
     assert [block["count"] for block in manifest["blocks"]] == [2, 3]
     with pytest.raises(midair.SceneError, match='"test": give "train" or "held_out"'):

@@ -27,7 +27,7 @@ def named(page: Path) -> str:
 
 
 def blocks(page: Path, language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
+    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
 
 
 @pytest.mark.slow
@@ -44,7 +44,7 @@ def test_python_blocks_run(
     found = blocks(page, "python")
     assert found or page.name != "README.md"
     printed_blocks = re.findall(
-        r"^```python\n(.*?)^```\n\n```output\n(.*?)^```", page.read_text(), re.M | re.S
+        r"^```python\n(.*?)^```\n\n```output\n(.*?)^```", page.read_text("utf-8"), re.M | re.S
     )
     outputs = dict(printed_blocks)
     names: dict[str, object] = {}
@@ -63,7 +63,7 @@ def test_scene_files_are_solved(page: Path, tmp_path: Path) -> None:
     assert found or page.name != "files.md"
     for block in found:
         path = tmp_path / "scene.toml"
-        path.write_text(block)
+        path.write_text(block, "utf-8")
         assert sane(midair.solve(midair.Scene.load(path)), f"scene file of {page.name}")
 
 
@@ -73,7 +73,7 @@ def test_commands_run(page: Path, tmp_path: Path) -> None:
     for block in blocks(page, "toml"):
         name = "sweep.toml" if "[[solver]]" in block else "scene.toml"
         if not (tmp_path / name).exists():
-            (tmp_path / name).write_text(block)
+            (tmp_path / name).write_text(block, "utf-8")
     # Some commands read files in docs/, as they would in a clone of the repository.
     (tmp_path / "docs").symlink_to(ROOT / "docs")
     lines = [line for block in blocks(page, "console") for line in block.splitlines()]
@@ -84,7 +84,7 @@ def test_commands_run(page: Path, tmp_path: Path) -> None:
     for command in commands:
         before = {path: path.stat().st_mtime_ns for path in tmp_path.iterdir()}
         done = subprocess.run(
-            [sys.executable, "-m", *shlex.split(command)], cwd=tmp_path, capture_output=True, text=True
+            [sys.executable, "-m", *shlex.split(command)], cwd=tmp_path, capture_output=True, encoding="utf-8"
         )
         assert done.returncode == 0, f"{command}: {done.stderr}"
         assert "warning" not in done.stderr, f"{command}: {done.stderr}"
@@ -96,14 +96,14 @@ def test_commands_run(page: Path, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", sorted(midair.solvers()))
 def test_every_solver_has_its_row_and_paragraph(name: str) -> None:
-    page = ROOT.joinpath("docs", "how-to-choose.md").read_text()
+    page = ROOT.joinpath("docs", "how-to-choose.md").read_text("utf-8")
     assert len(re.findall(rf"^\| `{name}` \|", page, re.MULTILINE)) == 2, "a row of words and one of numbers"
     assert re.search(rf"^\*\*`{name}`\*\* ", page, re.MULTILINE), "a paragraph"
 
 
 def test_every_picture_is_there() -> None:
     for page in PAGES:
-        for target in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.read_text()):
+        for target in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.read_text("utf-8")):
             assert (page.parent / target).stat().st_size > 1000, target
 
 
@@ -122,7 +122,7 @@ def test_the_papers_page_is_what_its_tables_say(book: Callable[[str], ModuleType
 
 
 def test_the_files_that_contributing_names_are_there() -> None:
-    page = ROOT.joinpath("CONTRIBUTING.md").read_text()
+    page = ROOT.joinpath("CONTRIBUTING.md").read_text("utf-8")
     assert len(page.encode()) <= 10_000
     for row in re.findall(r"^\| [^|]+ \| (.*) \|$", page.partition("## The map")[2], re.MULTILINE):
         # A name without a folder is in the last folder of its cell.
@@ -136,10 +136,12 @@ def test_the_files_that_contributing_names_are_there() -> None:
 
 @pytest.mark.parametrize("page", ["serve.md", "reliability.md"])
 def test_the_tests_that_promises_name_are_there(page: str) -> None:
-    rows = re.findall(r"^\| [^|]+ \| (.*`test_.*) \|$", ROOT.joinpath("docs", page).read_text(), re.MULTILINE)
+    rows = re.findall(
+        r"^\| [^|]+ \| (.*`test_.*) \|$", ROOT.joinpath("docs", page).read_text("utf-8"), re.MULTILINE
+    )
     assert len(rows) > 5
     for row in rows:
         files, names = re.findall(r"`(test_\w+\.py)`", row), re.findall(r"`(test_\w+)\.\.\.`", row)
-        texts = "".join((ROOT / "python" / "tests" / file).read_text() for file in files)
+        texts = "".join((ROOT / "python" / "tests" / file).read_text("utf-8") for file in files)
         for name in names:
             assert f"def {name}" in texts, name

@@ -125,11 +125,11 @@ def test_a_report_is_of_what_a_board_plays_and_is_written_whole(tmp_path: Path) 
         assert board.state == "off"
     assert named(report) == [("dead", (3,))]
     report.write(tmp_path / "report.json")
-    record = json.loads((tmp_path / "report.json").read_text())
+    record = json.loads((tmp_path / "report.json").read_text("utf-8"))
     assert record["faults"][0]["text"] == "transducer 3 is silent"
     assert len(record["response"]) == 16
     report.write(tmp_path / "report.txt")
-    assert (tmp_path / "report.txt").read_text().startswith(report.table)
+    assert (tmp_path / "report.txt").read_text("utf-8").startswith(report.table)
 
 
 def test_what_cannot_be_is_refused_by_a_line(tmp_path: Path) -> None:
@@ -156,7 +156,7 @@ def test_the_command_reads_files_and_simulates(tmp_path: Path, capsys: pytest.Ca
     with pytest.raises(SystemExit) as left:
         main([*options, "--readings", str(tmp_path / "read.csv"), "-o", str(tmp_path / "report.txt")])
     assert left.value.code == 0
-    assert "transducer 5 is connected the wrong way round" in (tmp_path / "report.txt").read_text()
+    assert "transducer 5 is connected the wrong way round" in (tmp_path / "report.txt").read_text("utf-8")
     with pytest.raises(SystemExit) as left:
         main([*options, "--simulate", "dead 3, swapped 1"])
     assert left.value.code == 2

@@ -20,7 +20,7 @@ SVG = '<svg xmlns="http://www.w3.org/2000/svg"><rect width="30" height="10"/></s
 @pytest.fixture(autouse=True)
 def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("logo.svg").write_text(SVG)
+    Path("logo.svg").write_text(SVG, "utf-8")
     Image.fromarray(np.array([[255, 0], [128, 255]], np.uint8)).save("logo.png")
 
 
@@ -64,7 +64,8 @@ def test_points_shapes_and_pictures_stand_side_by_side_and_files_beside_the_scen
     for name in ("logo.svg", "logo.png"):
         Path(name).rename(folder / name)
     scene_file = folder / "scene.toml"
-    scene_file.write_text(f"""{ARRAY}
+    scene_file.write_text(
+        f"""{ARRAY}
 [image]
 file = "logo.png"
 size = 0.02
@@ -85,7 +86,9 @@ pressure = 0
 [[points]]
 position = [0, 0, 0.11]
 pressure = 10
-""")
+""",
+        encoding="utf-8",
+    )
     scene = midair.Scene.load(scene_file)
     drawing, line = shape.svg(folder / "logo.svg", size=0.03, z=0.12), shape.line([0, 0, 0.1], [0.02, 0, 0.1])
     picture = midair.image(folder / "logo.png", size=0.02, z=0.1, pixels=2)
@@ -169,7 +172,8 @@ def test_what_is_no_refusal_goes_through_as_it_is(monkeypatch: pytest.MonkeyPatc
 @pytest.mark.slow
 def test_the_command_line_solves_compares_and_draws_them(capsys: pytest.CaptureFixture[str]) -> None:
     Path("scene.toml").write_text(
-        f"{ARRAY}[shape]\nkind = 'circle'\ncenter = [0, 0, 0.1]\nradius = 0.02\nstep = 0.002\n"
+        f"{ARRAY}[shape]\nkind = 'circle'\ncenter = [0, 0, 0.1]\nradius = 0.02\nstep = 0.002\n",
+        encoding="utf-8",
     )
     for command in (
         ["solve", "scene.toml", "--solver", "gspat"],
@@ -183,7 +187,9 @@ def test_the_command_line_solves_compares_and_draws_them(capsys: pytest.CaptureF
     with pytest.raises(SystemExit) as left:
         cli.main(["solve", "scene.toml", "-o", "logo.npz"])
     assert not left.value.code
-    Path("scene.toml").write_text(f"{ARRAY}[shape]\nkind = 'svg'\nfile = 'drive.npz'\nsize = 1\nz = 1\n")
+    Path("scene.toml").write_text(
+        f"{ARRAY}[shape]\nkind = 'svg'\nfile = 'drive.npz'\nsize = 1\nz = 1\n", "utf-8"
+    )
     with pytest.raises(SystemExit) as left:
         cli.main(["solve", "scene.toml", "-o", "drive.npz"])
     assert left.value.code == 2

@@ -49,14 +49,14 @@ def test_an_aim_is_one_of_two_words_or_left_out() -> None:
 def test_an_aim_in_the_scene_file_is_used_saved_and_won_over(tmp_path) -> None:
     path = tmp_path / "scene.toml"
     midair.Scene(ARRAY, POINTS, 0.5).save(path)
-    path.write_text(path.read_text() + '\n[solver]\nname = "uniform"\naim = "max"\n')
+    path.write_text(path.read_text("utf-8") + '\n[solver]\nname = "uniform"\naim = "max"\n', encoding="utf-8")
     scene = midair.Scene.load(path)
     assert scene.solver == ("uniform", {"aim": "max"})
     assert midair.solve(scene).metrics.level > 1.1
     assert midair.solve(scene, aim="target").metrics.level == pytest.approx(1, abs=1e-4)
     again = tmp_path / "again.json"
     scene.save(again)
-    assert json.loads(again.read_text())["solver"] == {"name": "uniform", "aim": "max"}
+    assert json.loads(again.read_text("utf-8"))["solver"] == {"name": "uniform", "aim": "max"}
     # Another solver ignores the file's options, `aim` among them.
     assert midair.solve(scene, "wgs").status == "done"
 
@@ -68,7 +68,7 @@ def test_an_aim_in_the_scene_file_is_used_saved_and_won_over(tmp_path) -> None:
 def test_an_aim_that_makes_no_sense_in_a_file_is_refused(tmp_path, table: str, item: str) -> None:
     path = tmp_path / "scene.toml"
     midair.Scene(ARRAY, POINTS).save(path)
-    path.write_text(path.read_text() + f"\n[solver]\n{table}\n")
+    path.write_text(path.read_text("utf-8") + f"\n[solver]\n{table}\n", encoding="utf-8")
     with pytest.raises(midair.SceneError, match=item):
         midair.Scene.load(path)
 

@@ -36,7 +36,7 @@ def test_it_runs_and_leaves_its_picture(
 def test_the_gallery_has_every_example_as_it_describes_itself(gallery: ModuleType) -> None:
     listed = [name for names in gallery.ORDER.values() for name in names]
     assert sorted(listed) == [path.name for path in EXAMPLES]
-    assert gallery.PAGE.read_text() == gallery.page(), "run `make pictures NAMES=gallery`"
+    assert gallery.PAGE.read_text("utf-8") == gallery.page(), "run `make pictures NAMES=gallery`"
 
 
 def test_its_pictures_are_small() -> None:
@@ -47,7 +47,7 @@ def test_its_pictures_are_small() -> None:
 
 def test_the_studios_scenes_have_an_example_each() -> None:
     scenes = {path.name for path in (ROOT / "docs" / "scenes" / "gallery").iterdir()}
-    used = re.findall(r"SCENES / \"(\S+)\"", "".join(path.read_text() for path in EXAMPLES))
+    used = re.findall(r"SCENES / \"(\S+)\"", "".join(path.read_text("utf-8") for path in EXAMPLES))
     assert sorted(used) == sorted(scenes)
-    page = (ROOT / "studio" / "src" / "state" / "gallery.ts").read_text()
+    page = (ROOT / "studio" / "src" / "state" / "gallery.ts").read_text("utf-8")
     assert set(re.findall(r"docs/scenes/gallery/(\S+)\"", page)) == scenes

@@ -117,7 +117,7 @@ def test_a_plane_requested_without_a_point_in_it_is_warned_of(tmp_path: Path) ->
         assert not field.shown.any()
     path = tmp_path / "scene.toml"
     scene.save(path)
-    path.write_text(path.read_text() + "\n[plane]\nz = 0.2\n")
+    path.write_text(path.read_text("utf-8") + "\n[plane]\nz = 0.2\n", encoding="utf-8")
     with pytest.warns(midair.SceneWarning, match="no point lies"):
         midair.field(midair.Scene.load(path), np.ones(64))
     # No warning is expected here; pytest turns warnings into errors.
@@ -164,7 +164,10 @@ def test_a_solution_of_other_transducers_is_refused_in_one_line() -> None:
 def test_plane_of_the_scene_file_is_the_one_left_out(tmp_path) -> None:
     path = tmp_path / "scene.toml"
     small().save(path)
-    path.write_text(path.read_text() + "\n[plane]\nz = 0.15\nsize = 0.1\npixels = 7\ncenter = [0.01, 0.0]\n")
+    path.write_text(
+        path.read_text("utf-8") + "\n[plane]\nz = 0.15\nsize = 0.1\npixels = 7\ncenter = [0.01, 0.0]\n",
+        encoding="utf-8",
+    )
     scene = midair.Scene.load(path)
     assert midair.field(scene, np.ones(64)).plane == midair.Plane(0.15, 0.1, 7, (0.01, 0))
     assert midair.field(scene, np.ones(64), midair.Plane(0.15, 0.1, 3)).plane == midair.Plane(0.15, 0.1, 3)

@@ -40,7 +40,7 @@ def pat_lines(**changed: Any) -> list[str]:
 
 
 def pat_file(path: Path, **changed: Any) -> Path:
-    path.write_text("\n".join(pat_lines(**changed)) + "\n")
+    path.write_text("\n".join(pat_lines(**changed)) + "\n", encoding="utf-8")
     return path
 
 
@@ -166,9 +166,14 @@ def test_ultraino_is_turned_upright_and_ordered(tmp_path: Path) -> None:
 
 def test_ultraino_defaults_and_mixed_powers(tmp_path: Path) -> None:
     path = tmp_path / "a.xml"
-    path.write_text(simulation([transducer(k, (0.01 * k, 0, 0), power=None) for k in range(3)]))
+    path.write_text(
+        simulation([transducer(k, (0.01 * k, 0, 0), power=None) for k in range(3)]), encoding="utf-8"
+    )
     assert read_array(path).source_pressure == 2.53
-    path.write_text(simulation([transducer(k, (0.01 * k, 0, 0), power=2.0 + 2 * (k == 1)) for k in range(3)]))
+    path.write_text(
+        simulation([transducer(k, (0.01 * k, 0, 0), power=2.0 + 2 * (k == 1)) for k in range(3)]),
+        encoding="utf-8",
+    )
     array = read_array(path)
     assert array.source_pressure == 4.0
     assert array.response is not None
@@ -179,13 +184,19 @@ def test_ultraino_frequency_and_phase_corrections(tmp_path: Path) -> None:
     path = tmp_path / "a.xml"
     each = [transducer(k, (0.01 * k, 0, 0)) for k in range(2)]
     low = number("frequency", 25e3)
-    path.write_text(simulation([one.replace("</object>", f"{low}</object>") for one in each]))
+    path.write_text(
+        simulation([one.replace("</object>", f"{low}</object>") for one in each]), encoding="utf-8"
+    )
     assert read_array(path).medium["frequency"] == 25e3
-    path.write_text(simulation([each[0].replace("</object>", f"{low}</object>", 1), each[1]]))
+    path.write_text(
+        simulation([each[0].replace("</object>", f"{low}</object>", 1), each[1]]), encoding="utf-8"
+    )
     with pytest.raises(midair.SceneError, match="transducers of 25000 and of 40000 Hz are in it"):
         read_array(path)
     turned = number("phaseCorrection", 1.0)
-    path.write_text(simulation([each[0], each[1].replace("</object>", f"{turned}</object>")]))
+    path.write_text(
+        simulation([each[0], each[1].replace("</object>", f"{turned}</object>")]), encoding="utf-8"
+    )
     with pytest.warns(midair.SceneWarning, match="phaseCorrection of 1 transducer of .* is not read"):
         assert len(read_array(path)) == 2
 
@@ -201,7 +212,7 @@ def test_setters_wrapped_around_other_objects(tmp_path: Path) -> None:
         f'<void class="acousticfield3d.math.Vector3f" method="getField"><string>x</string>{setting}</void>'
     )
     path = tmp_path / "wrapped.xml"
-    path.write_text(f"{HEAD}{outer}{transducer(1, (0, 0, 0.01))}</java>")
+    path.write_text(f"{HEAD}{outer}{transducer(1, (0, 0, 0.01))}</java>", encoding="utf-8")
     np.testing.assert_allclose(read_array(path).positions, [[0.07, 0, 0], [0, -0.01, 0]])
 
 
@@ -212,7 +223,7 @@ def test_handybeam(tmp_path: Path) -> None:
         for index, x, y, z, abx in rows
     )
     path = tmp_path / "system.xml"
-    path.write_text(f"<Renderer><System><Transducers>{inside}</Transducers></System></Renderer>")
+    path.write_text(f"<Renderer><System><Transducers>{inside}</Transducers></System></Renderer>", "utf-8")
     array = read_array(path)
     expected = np.array([[-10.47, 0, 1], [0, 5.235, 1], [10.47, 0, 1]]) / 1e3
     np.testing.assert_allclose(array.positions, expected)
@@ -237,7 +248,7 @@ def test_autd3_boards_with_any_pose(tmp_path: Path) -> None:
         {"origin": [192.0, -30.5, 12.25], "rotation": [w, x, y, z]},
     ]
     path = tmp_path / "geometry.json"
-    path.write_text(json.dumps(boards))
+    path.write_text(json.dumps(boards), encoding="utf-8")
     array = read_array(path)
     expected = np.concatenate([own, own @ matrix.T + [192.0, -30.5, 12.25]]) / 1e3
     np.testing.assert_allclose(array.positions, expected, atol=1e-9)
@@ -273,7 +284,7 @@ WRONG_CSV = {
 @pytest.mark.parametrize("name", CSV)
 def test_csv_is_read_as_scene_files_read_it(name: str, tmp_path: Path) -> None:
     path = tmp_path / "row.csv"
-    path.write_text(CSV[name], encoding="utf-8")
+    path.write_text(CSV[name], "utf-8")
     scene = '[array]\npositions = { file = "row.csv" }\n[[points]]\nposition = [0, 0, 1.1]\n'
     assert read_array(path) == midair.Scene.parse(scene, folder=tmp_path).array
 
@@ -364,7 +375,7 @@ def test_odd_files_are_read_alike_and_refused_in_the_same_words(data: bytes, tmp
 def test_what_scene_files_refuse_is_refused(name: str, tmp_path: Path) -> None:
     text, reported = WRONG_CSV[name]
     path = tmp_path / "row.csv"
-    path.write_text(text)
+    path.write_text(text, "utf-8")
     with pytest.raises(midair.SceneError, match=reported):
         read_array(path)
     scene = '[array]\npositions = { file = "row.csv" }\n[[points]]\nposition = [0, 0, 0.1]\n'
@@ -389,7 +400,7 @@ def test_a_number_that_another_one_refers_to(first: str, tmp_path: Path) -> None
         for power, number in enumerate(numbers, 1)
     ]
     path = tmp_path / "a.xml"
-    path.write_text(f'<java class="java.beans.XMLDecoder">{"".join(made)}</java>')
+    path.write_text(f'<java class="java.beans.XMLDecoder">{"".join(made)}</java>', encoding="utf-8")
     response = midair.Array.from_file(path).response
     assert response is not None
     assert np.allclose(3 * np.abs(response), [3, 1, 2])
@@ -419,10 +430,10 @@ def test_an_order_by_reference_to_what_was_never_set_is_the_number_left_out(
     orders = np.random.default_rng(size).permutation(size)
     texts = [f"<int>{k}</int>" if k != unset else '<object idref="Integer0"/>' for k in orders]
     path = tmp_path / "a.xml"
-    path.write_text(ordered(texts))
+    path.write_text(ordered(texts), encoding="utf-8")
     assert midair.Array.from_file(path).positions[:, 0] == pytest.approx(0.01 * np.argsort(orders))
     # A reference that the others do not settle is 0, Java's default.
-    path.write_text(ordered(["<int>7</int>", '<object idref="Integer0"/>', "<int>9</int>"]))
+    path.write_text(ordered(["<int>7</int>", '<object idref="Integer0"/>', "<int>9</int>"]), encoding="utf-8")
     assert midair.Array.from_file(path).positions[:, 0] == pytest.approx([0.01, 0, 0.02])
 
 
@@ -431,16 +442,16 @@ def test_the_phases_of_an_ultraino_file_are_its_drive(tmp_path: Path) -> None:
     orders = [2, 0, 1]
     texts = [f"<int>{k}</int>" for k in orders]
     phase = '<void property="phase"><float>0.{}</float></void>'
-    path.write_text(ordered(texts, phase))
+    path.write_text(ordered(texts, phase), encoding="utf-8")
     phases = np.pi * np.array([0.1, 0.2, 0.0])
     assert np.allclose(midair.read(path), np.exp(1j * phases), atol=1e-6)
     amplitude = '<void property="amplitude"><float>0.5</float></void>'
     path.write_bytes(gzip.compress(ordered(texts, phase + amplitude).encode()))
     assert np.allclose(midair.read(path), 0.5 * np.exp(1j * phases), atol=1e-6)
-    path.write_text(ordered(texts, amplitude.replace("0.5", "1.5")))
+    path.write_text(ordered(texts, amplitude.replace("0.5", "1.5")), encoding="utf-8")
     with pytest.raises(midair.SceneError, match=r"line 3: amplitude is 1\.5: give 0 to 1"):
         midair.read(path)
-    path.write_text("<Renderer/>")
+    path.write_text("<Renderer/>", "utf-8")
     with pytest.raises(midair.SceneError, match="no drive is in it"):
         midair.read(path)
 
@@ -448,7 +459,8 @@ def test_the_phases_of_an_ultraino_file_are_its_drive(tmp_path: Path) -> None:
 def test_the_field_of_a_drive_from_ultraino_is_that_of_its_formula(tmp_path: Path) -> None:
     path = tmp_path / "a.xml"
     path.write_text(
-        ordered([f"<int>{k}</int>" for k in range(4)], '<void property="phase"><float>0.{}</float></void>')
+        ordered([f"<int>{k}</int>" for k in range(4)], '<void property="phase"><float>0.{}</float></void>'),
+        encoding="utf-8",
     )
     array = midair.Array.from_file(path)
     place = np.array([[0.013, 0.004, 0.11]])

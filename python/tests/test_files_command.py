@@ -63,15 +63,15 @@ def test_points_of_a_sequence(run: Run) -> None:
     array = midair.Array.grid(4, 4, pitch=0.01)
     midair.Sequence(array, points, 100.0, np.ones((3, 16), np.complex64), rate=50.0).save("motion.npz")
     assert run("export motion.npz points.csv --layout points --modulate 200")[0] == 0
-    rows = Path("points.csv").read_text().splitlines()
+    rows = Path("points.csv").read_text("utf-8").splitlines()
     assert rows[0] == "t,x,y,z,intensity,frequency"
     assert [float(cell) for cell in rows[2].split(",")] == pytest.approx([0.02, 1e-3, 0, 0.1, 1, 200])
     assert run("export points.csv copy.csv")[0] == 0
-    assert Path("copy.csv").read_text() == Path("points.csv").read_text()
+    assert Path("copy.csv").read_text("utf-8") == Path("points.csv").read_text("utf-8")
 
 
 def test_what_is_refused(run: Run) -> None:
-    Path("bad.csv").write_text("index,amplitude,phase\n0,2,0\n")
+    Path("bad.csv").write_text("index,amplitude,phase\n0,2,0\n", "utf-8")
     before = sorted(file.name for file in Path().iterdir())
     for line, reported in (
         ("export drive.npz drive.npz", 'error: output "drive.npz" is the file "drive.npz" itself'),

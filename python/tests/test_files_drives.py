@@ -101,7 +101,7 @@ def test_acoustools_csv_is_in_openmpds_order(tmp_path: Path) -> None:
     drives /= np.where(drives == 0, 1, np.abs(drives))
     with pytest.warns(midair.SceneWarning, match="amplitudes down to 0 are not written"):
         midair.write(path, drives, layout="acoustools")
-    head, *rows = path.read_text().splitlines()
+    head, *rows = path.read_text("utf-8").splitlines()
     assert head == "3,512"
     own = acoustools_places()
     # The order in the file: the top board reversed, and each run of 16 of the bottom board reversed.
@@ -156,7 +156,7 @@ def test_ultrainos_pair(frames: int, tmp_path: Path) -> None:
     midair.write(path, given)
     assert sorted(file.name for file in tmp_path.iterdir()) == ["ring0_Amp.csv", "ring0_Phase.csv"]
     tables = [
-        [[float(cell) for cell in row.split(",")] for row in file.read_text().splitlines()]
+        [[float(cell) for cell in row.split(",")] for row in file.read_text("utf-8").splitlines()]
         for file in (tmp_path / "ring0_Amp.csv", path)
     ]
     np.testing.assert_allclose(np.array(tables[0]) * np.exp(1j * np.array(tables[1])), drives, atol=1e-6)
@@ -172,7 +172,7 @@ def test_one_drive_as_a_table(tmp_path: Path) -> None:
     np.testing.assert_allclose(midair.read(path), solved.drive, atol=1e-6)
     drive = random_drives(1, 249)[0]
     midair.write(path, drive)
-    head, *rows = path.read_text().splitlines()
+    head, *rows = path.read_text("utf-8").splitlines()
     assert head == "index,amplitude,phase"
     numbers = np.array([[float(cell) for cell in row.split(",")] for row in rows])
     np.testing.assert_array_equal(numbers[:, 0], np.arange(249))
@@ -182,7 +182,7 @@ def test_one_drive_as_a_table(tmp_path: Path) -> None:
     np.testing.assert_allclose(midair.read(path), drive, atol=1e-6)
     midair.write(path, drive, board="autd3")
     np.testing.assert_allclose(
-        [[float(cell) for cell in row.split(",")[1:4]] for row in path.read_text().splitlines()[1:]],
+        [[float(cell) for cell in row.split(",")[1:4]] for row in path.read_text("utf-8").splitlines()[1:]],
         midair.Board("autd3").array.positions,
     )
     np.testing.assert_allclose(midair.read(path), drive, atol=1e-6)
@@ -235,7 +235,7 @@ def test_frames_of_a_board(tmp_path: Path) -> None:
 
 
 def rows_of(path: Path) -> tuple[list[str], np.ndarray[Any, Any]]:
-    head, *rows = path.read_text().splitlines()
+    head, *rows = path.read_text("utf-8").splitlines()
     return head.split(","), np.array([[float(cell) for cell in row.split(",")] for row in rows])
 
 

@@ -129,7 +129,7 @@ def test_a_deep_json(tmp_path: Path) -> None:
 def test_more_elements_than_an_array_has(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(xml, "MOST_ELEMENTS", 20)
     path = tmp_path / "a.xml"
-    path.write_text(JAVA.format("<void/>" * 30))
+    path.write_text(JAVA.format("<void/>" * 30), encoding="utf-8")
     with pytest.raises(midair.SceneError, match="more than 20 elements"):
         read_array(path)
 
@@ -162,9 +162,9 @@ def text(data: str) -> Callable[[Path], None]:
 
 def paired(phases: str, amplitudes: str | None) -> Callable[[Path], None]:
     def write(path: Path) -> None:
-        path.write_text(phases)
+        path.write_text(phases, encoding="utf-8")
         if amplitudes is not None:
-            path.with_name("a0_Amp.csv").write_text(amplitudes)
+            path.with_name("a0_Amp.csv").write_text(amplitudes, "utf-8")
 
     return write
 

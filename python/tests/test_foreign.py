@@ -33,12 +33,13 @@ LINE = '<path d="M0 0 L9 3"/>'
 def test_a_picture_that_is_a_program_is_not_run(name: str, tmp_path: Path) -> None:
     owned = tmp_path / "owned"
     for content in (EPS.format(owned), LOOP):
-        (tmp_path / name).write_text(content)
+        (tmp_path / name).write_text(content, "utf-8")
         with pytest.raises(midair.SceneError, match=r"cannot be read as a picture, give a file of PNG, JPEG"):
             midair.image(tmp_path / name, size=0.05, z=0.15)
     scene = tmp_path / "scene.toml"
     scene.write_text(
-        f'[array]\npreset = "ultraino_flat8x8"\n[image]\nfile = "{name}"\nsize = 0.05\nz = 0.15\n'
+        f'[array]\npreset = "ultraino_flat8x8"\n[image]\nfile = "{name}"\nsize = 0.05\nz = 0.15\n',
+        encoding="utf-8",
     )
     with pytest.raises(midair.SceneError, match="cannot be read as a picture"):
         midair.Scene.load(scene)
@@ -107,7 +108,7 @@ HEAVY = {
 @pytest.mark.parametrize("name", HEAVY)
 def test_a_drawing_of_too_much_work_is_refused_at_once(name: str, tmp_path: Path) -> None:
     content, reported = HEAVY[name]
-    (tmp_path / "a.svg").write_text(content)
+    (tmp_path / "a.svg").write_text(content, "utf-8")
     for given in (content, tmp_path / "a.svg"):
         begin = time.process_time()
         with pytest.raises(midair.SceneError, match=reported) as error:
@@ -124,7 +125,7 @@ def test_references_within_bounds_are_drawn() -> None:
 
 @pytest.mark.parametrize("name", ["hand.dae", "hand.3mf", "hand.svg", "hand.xyz", "hand"])
 def test_meshes_come_in_known_formats(name: str, tmp_path: Path) -> None:
-    (tmp_path / name).write_text("v 0 0 0\n")
+    (tmp_path / name).write_text("v 0 0 0\n", "utf-8")
     with pytest.raises(midair.SceneError, match=r"it is of no known format, export it again, as \.stl"):
         midair.Mesh.from_file(tmp_path / name)
 
@@ -132,17 +133,17 @@ def test_meshes_come_in_known_formats(name: str, tmp_path: Path) -> None:
 def test_a_mesh_of_more_bytes_than_memory_allows_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "hand.obj").write_text("v 0 0 0\n" * 100_000)
+    (tmp_path / "hand.obj").write_text("v 0 0 0\n" * 100_000, "utf-8")
     monkeypatch.setenv("MIDAIR_MEMORY", "2MB")
     with pytest.raises(midair.SceneError, match=r"it needs 12 MB of 1 allowed"):
         midair.Mesh.from_file(tmp_path / "hand.obj")
 
 
 def test_frames_that_a_table_only_claims_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "frames.csv").write_text("frame,point,x,y,z\n0,0,0,0,0.1\n1000000000,0,0,0,0.1\n")
+    (tmp_path / "frames.csv").write_text("frame,point,x,y,z\n0,0,0,0,0.1\n1000000000,0,0,0,0.1\n", "utf-8")
     text_ = '[array]\npreset = "ultraino_flat8x8"\n[motion]\nfile = "{}"\nrate = 100\n'
     scene = tmp_path / "scene.toml"
-    scene.write_text(text_.format("frames.csv"))
+    scene.write_text(text_.format("frames.csv"), encoding="utf-8")
     from midair._sequence import document
 
     with pytest.raises(midair.SceneError, match="1000000001 frames of 1 points need"):
@@ -150,7 +151,7 @@ def test_frames_that_a_table_only_claims_are_refused(tmp_path: Path) -> None:
     # An array whose header claims more data than the file has.
     header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000, 4, 3)}\n"
     (tmp_path / "frames.npy").write_bytes(b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header)
-    scene.write_text(text_.format("frames.npy"))
+    scene.write_text(text_.format("frames.npy"), encoding="utf-8")
     with pytest.raises(midair.SceneError, match="give points"):
         document.read(scene)
 

@@ -26,7 +26,7 @@ for path in sys.argv[1:]:
 
 
 def recorded(path: Path) -> np.ndarray:
-    return np.array(json.loads(path.read_text())["drive"], dtype=np.float32)
+    return np.array(json.loads(path.read_text("utf-8"))["drive"], dtype=np.float32)
 
 
 def test_there_are_golden_vectors() -> None:
@@ -68,18 +68,20 @@ def test_a_board_gets_the_bytes_of_a_motion_under_the_scalar_set(tmp_path: Path)
     motions = sorted(GOLDEN[0].parent.joinpath("motion").glob("*.json"))
     environment = {**os.environ, "MIDAIR_SIMD": "scalar"}
     command = [sys.executable, "-c", PLAYED, *map(str, motions)]
-    done = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, check=True, text=True)
+    done = subprocess.run(
+        command, env=environment, cwd=tmp_path, capture_output=True, check=True, encoding="utf-8"
+    )
     for path, line in zip(motions, done.stdout.splitlines(), strict=True):
-        assert json.loads(line) == json.loads(path.read_text())["bytes"], path.stem
+        assert json.loads(line) == json.loads(path.read_text("utf-8"))["bytes"], path.stem
 
 
 # Some targets are weak on purpose, which causes a warning.
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
 def test_golden_vectors_are_as_good_under_the_best_set(path: Path, tmp_path: Path) -> None:
-    record = json.loads(path.read_text())
+    record = json.loads(path.read_text("utf-8"))
     file = tmp_path / "scene.json"
-    file.write_text(json.dumps(record["scene"]))
+    file.write_text(json.dumps(record["scene"]), encoding="utf-8")
     metrics = midair.solve(midair.Scene.load(file), balance=record["balance"]).metrics
     # docs/reproducibility.md lists the allowed differences between instruction sets.
     assert metrics.accuracy == pytest.approx(record["metrics"]["accuracy"], abs=2e-3)

@@ -121,11 +121,11 @@ def test_a_board_stays_one_whatever_is_made_of_it(tmp_path) -> None:
     assert midair.Array(board.positions[:9]).medium == PAPER
     pose = {"origin": [0.0, 0.0, 0.0], "rotation": [1.0, 0.0, 0.0, 0.0]}
     geometry = tmp_path / "boards.json"
-    geometry.write_text(json.dumps([pose, pose | {"origin": [192.0, 0.0, 0.0]}]))
+    geometry.write_text(json.dumps([pose, pose | {"origin": [192.0, 0.0, 0.0]}]), encoding="utf-8")
     both = midair.Array.from_file(geometry)
     assert (both.directivity, both.medium) == ("t4010a1", room)
     plain = tmp_path / "plain.csv"
-    plain.write_text("x,y,z\n0,0,0\n0.01,0,0\n")
+    plain.write_text("x,y,z\n0,0,0\n0.01,0,0\n", "utf-8")
     assert midair.Array.from_file(plain).medium == PAPER
 
 

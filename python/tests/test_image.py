@@ -101,7 +101,7 @@ def test_what_is_no_picture_is_refused_in_one_line(tmp_path: Path, monkeypatch: 
     path = saved(tmp_path / "a.png", [[255, 0], [0, 255]])
     black = saved(tmp_path / "black.png", [[0, 12], [0, 0]])
     text = tmp_path / "text.png"
-    text.write_text("no picture")
+    text.write_text("no picture", "utf-8")
     cut = tmp_path / "cut.png"
     cut.write_bytes(
         saved(tmp_path / "noise.png", np.random.default_rng(1).integers(0, 256, (40, 40))).read_bytes()[:600]

@@ -16,7 +16,7 @@ JAPANESE = "[\u3001-\u30ff\u4e00-\u9fff\uff01-\uff5e]"
 
 def code(page: Path) -> list[tuple[str, str]]:
     """Returns language and content of each code block, without comments and docstrings."""
-    found = re.findall(r"^```(\w+)\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
+    found = re.findall(r"^```(\w+)\n(.*?)^```", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
     return [(language, bare(language, block)) for language, block in found]
 
 
@@ -33,13 +33,14 @@ def bare(language: str, block: str) -> str:
 
 def pictures(page: Path) -> list[Path]:
     return [
-        page.parent.joinpath(path).resolve() for path in re.findall(r"!\[.*?\]\((.+?)\)", page.read_text())
+        page.parent.joinpath(path).resolve()
+        for path in re.findall(r"!\[.*?\]\((.+?)\)", page.read_text("utf-8"))
     ]
 
 
 def rows(page: Path) -> list[list[str]]:
     """Returns the cells of every row of the page's tables, without heads and rules."""
-    lines = re.findall(r"^\| .*\|$", page.read_text(), re.MULTILINE)
+    lines = re.findall(r"^\| .*\|$", page.read_text("utf-8"), re.MULTILINE)
     cells = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines]
     return [row for row in cells if row[0] not in ("English", "用語")]
 
@@ -57,7 +58,7 @@ def test_code_and_pictures_are_those_of_the_english_page(page: str) -> None:
 @pytest.mark.parametrize("page", PAGES)
 def test_each_page_links_to_the_other_at_its_head(page: str) -> None:
     for own, name, other in ((DOCS / page, "日本語", f"ja/{page}"), (DOCS / "ja" / page, "English", page)):
-        head = "\n".join(own.read_text().splitlines()[:6])
+        head = "\n".join(own.read_text("utf-8").splitlines()[:6])
         found = re.search(rf"\[{name}\]\((.+?)\)", head)
         assert found, own
         assert (own.parent / found[1]).resolve() == DOCS / other
@@ -73,5 +74,5 @@ def test_both_glossaries_have_the_same_terms() -> None:
 @pytest.mark.parametrize("page", PAGES)
 def test_no_line_ends_within_a_paragraph(page: str) -> None:
     """Checks that lines are not broken within Japanese text: the page would show a space there."""
-    text = re.sub(r"^```.*?^```", "", (DOCS / "ja" / page).read_text(), flags=re.MULTILINE | re.DOTALL)
+    text = re.sub(r"^```.*?^```", "", (DOCS / "ja" / page).read_text("utf-8"), flags=re.MULTILINE | re.DOTALL)
     assert not re.findall(rf"{JAPANESE}\n{JAPANESE}", text)

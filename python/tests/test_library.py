@@ -313,7 +313,8 @@ def test_a_saved_scene_is_read_back_to_the_last_bit(tmp_path, ending: str) -> No
 @pytest.mark.parametrize("ending", ["toml", "json"])
 def test_a_saved_grid_preset_solver_and_plane_come_back(tmp_path, ending: str) -> None:
     source, path = tmp_path / "ring.toml", tmp_path / f"saved.{ending}"
-    source.write_text("""
+    source.write_text(
+        """
         [medium]
         temperature = 25.0
         [array]
@@ -337,7 +338,9 @@ def test_a_saved_grid_preset_solver_and_plane_come_back(tmp_path, ending: str) -
         position = [0.0, 0.0, 0.2]
         pressure = 0.0
         weight = 0.5
-        """)
+        """,
+        encoding="utf-8",
+    )
     midair.Scene.load(source).save(path)
     scene = midair.Scene.load(path)
     assert scene.sound_speed == pytest.approx(331.3 * (1 + 25 / 273.15) ** 0.5, rel=1e-15)
@@ -345,7 +348,7 @@ def test_a_saved_grid_preset_solver_and_plane_come_back(tmp_path, ending: str) -
     assert scene.solver == ("greedy", {"phases": 8, "order": "rows", "balance": True})
     assert scene.plane == midair.Plane(0.2, 0.05, 11, (0.01, -0.02))
     assert (scene.pressures.tolist(), scene.weights.tolist()) == ([2000, 0], [1, 0.5])
-    assert "positions" not in path.read_text()
+    assert "positions" not in path.read_text("utf-8")
 
 
 def test_a_scalar_stands_for_all_points_and_integers_are_numbers() -> None:

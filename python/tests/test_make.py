@@ -17,7 +17,7 @@ def make(*arguments: str) -> subprocess.CompletedProcess[str]:
     alone = {
         name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS")
     }
-    return subprocess.run(["make", *arguments], cwd=ROOT, capture_output=True, text=True, env=alone)
+    return subprocess.run(["make", *arguments], cwd=ROOT, capture_output=True, encoding="utf-8", env=alone)
 
 
 @pytest.mark.parametrize("target", ["check", "test", "demo"])
@@ -31,14 +31,14 @@ def test_every_command_is_announced(target: str) -> None:
 
 def test_no_name_of_a_step_has_a_comma() -> None:
     # Make would take the text after a comma for the command.
-    names = re.findall(r"call step,([^(]*)\(", (ROOT / "Makefile").read_text(encoding="utf-8"))
+    names = re.findall(r"call step,([^(]*)\(", (ROOT / "Makefile").read_text("utf-8"))
     assert len(names) > 20
     assert [name for name in names if "," in name] == []
 
 
 def test_a_step_that_fails_is_named(tmp_path: Path) -> None:
     steps = "\t$(call step,one (1 s),true)\n\t$(call step,two (1 s),false)\n"
-    (tmp_path / "Makefile").write_text(f"include {ROOT / 'Makefile'}\nbroken:\n{steps}")
+    (tmp_path / "Makefile").write_text(f"include {ROOT / 'Makefile'}\nbroken:\n{steps}", "utf-8")
     done = make("-f", str(tmp_path / "Makefile"), "broken")
     assert done.returncode == 2
     assert [line for line in done.stdout.splitlines() if line] == ["== one (1 s)", "-- 0 s", "== two (1 s)"]

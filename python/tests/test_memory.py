@@ -49,7 +49,7 @@ def run(code: str, **environment: str) -> str:
         [sys.executable, "-c", program],
         env=os.environ | environment,
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         check=True,
     )
     return ran.stdout
@@ -81,7 +81,7 @@ def test_the_limit_can_be_set() -> None:
             [sys.executable, "-c", PROGRAM.format("scene(4, 2).propagation()")],
             env=os.environ | {"MIDAIR_MEMORY": "lots"},
             capture_output=True,
-            text=True,
+            encoding="utf-8",
             check=False,
         ).stderr
     )

@@ -36,11 +36,11 @@ HEADER = "frame,point,x,y,z\n"
 
 def command(*arguments: str) -> subprocess.CompletedProcess[str]:
     run = [sys.executable, "-m", "midair", *arguments]
-    return subprocess.run(run, capture_output=True, text=True, check=False)
+    return subprocess.run(run, capture_output=True, encoding="utf-8", check=False)
 
 
 def read(folder: Path, text: str, name: str = "scene.toml") -> document.Document:
-    (folder / name).write_text(text)
+    (folder / name).write_text(text, "utf-8")
     found = document.read(folder / name)
     assert found is not None
     return found
@@ -49,7 +49,7 @@ def read(folder: Path, text: str, name: str = "scene.toml") -> document.Document
 def drives(folder: Path, text: str) -> tuple[np.ndarray, np.ndarray]:
     """Returns the drives that `midair play` sends, and those that `midair motion` writes."""
     scene, solved = folder / "scene.toml", folder / "solved.npz"
-    scene.write_text(text)
+    scene.write_text(text, "utf-8")
     played = play._thing(scene, None, lambda array: midair.Board("autd3", array))
     assert isinstance(played, midair.Sequence)
     run = command("motion", str(scene), "--output", str(solved))
@@ -88,7 +88,7 @@ def test_play_and_motion_play_the_same_traps(tmp_path: Path) -> None:
 
 
 def test_frames_are_read_by_the_names_of_their_columns(tmp_path: Path) -> None:
-    (tmp_path / "frames.csv").write_text("frame,point,z,x,y\n1,0,0.15,0.02,0\n0,0,0.15,0.01,0\n")
+    (tmp_path / "frames.csv").write_text("frame,point,z,x,y\n1,0,0.15,0.02,0\n0,0,0.15,0.01,0\n", "utf-8")
     points, _ = read(tmp_path, FRAMES).motion.path.frames(1000)
     np.testing.assert_array_equal(points, [[[0.01, 0.0, 0.15]], [[0.02, 0.0, 0.15]]])
 
@@ -105,7 +105,7 @@ def test_frames_are_read_by_the_names_of_their_columns(tmp_path: Path) -> None:
     ],
 )
 def test_frames_that_are_none_are_refused_by_their_row(tmp_path: Path, rows: str, fault: str) -> None:
-    (tmp_path / "frames.csv").write_text(HEADER + rows)
+    (tmp_path / "frames.csv").write_text(HEADER + rows, "utf-8")
     with pytest.raises(midair.SceneError) as refusal:
         read(tmp_path, FRAMES)
     assert fault in str(refusal.value)
@@ -148,7 +148,7 @@ def test_a_file_that_is_not_there_is_named_once(tmp_path: Path) -> None:
     ],
 )
 def test_a_mistake_is_reported_in_its_own_line(tmp_path: Path, name: str, text: str, fault: str) -> None:
-    (tmp_path / name).write_text(text)
+    (tmp_path / name).write_text(text, "utf-8")
     with pytest.raises(midair.SceneError) as refusal:
         document.read(tmp_path / name)
     assert fault in str(refusal.value), refusal.value
@@ -195,7 +195,9 @@ def test_json_and_toml_of_one_motion_are_the_same(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_scene_that_rests_is_no_motion(tmp_path: Path) -> None:
-    (tmp_path / "a.toml").write_text("[array]\npreset = 'autd3'\n[[points]]\nposition = [0, 0, 0.15]\n")
+    (tmp_path / "a.toml").write_text(
+        "[array]\npreset = 'autd3'\n[[points]]\nposition = [0, 0, 0.15]\n", "utf-8"
+    )
     assert document.read(tmp_path / "a.toml") is None
     run = command("motion", str(tmp_path / "a.toml"))
     assert "has no [motion]" in run.stderr

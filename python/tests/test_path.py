@@ -146,7 +146,7 @@ def test_an_svg_outline_is_walked_from_text_and_file(tmp_path: File) -> None:
     assert np.linalg.norm(points - [0, 0, Z], axis=2) == pytest.approx(np.full((200, 1), 0.02), rel=4e-4)
     assert np.abs(steps(points, closed=True) / steps(points).mean() - 1).max() < 1e-3
     file = tmp_path / "circle.svg"
-    file.write_text(text)
+    file.write_text(text, "utf-8")
     assert (midair.shape.svg(text, size=0.04, z=Z) == midair.shape.svg(file, size=0.04, z=Z)).all()
     assert (path.svg(file, size=0.04, z=Z, frequency=50).frames(10e3)[0] == points).all()
     opened = path.svg(HEAD + '<path d="M0 0 h20 v10"/></svg>', size=0.04, z=Z, speed=0.6, pressures=900)

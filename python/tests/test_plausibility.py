@@ -103,7 +103,7 @@ def test_a_slip_is_reported_each_object_once(tmp_path: Path) -> None:
     odd.save(path)
     # Making another scene warns again; using a scene does not.
     assert len(received(lambda: midair.Scene.load(path))) == 1
-    assert len(received(lambda: midair.Scene.parse(path.read_text()))) == 1
+    assert len(received(lambda: midair.Scene.parse(path.read_text("utf-8")))) == 1
     midair.solve(odd, "naive")
     midair.Solver(odd, "naive")
     odd.replace(points=POINTS[:1])
@@ -125,7 +125,8 @@ def test_the_command_line_tells_in_one_line(tmp_path: Path, capsys: pytest.Captu
     path = tmp_path / "odd.toml"
     path.write_text(
         "[array]\ngrid = { nx = 9, ny = 9, pitch = 10.5 }\n\n[[points]]\nposition = [0.0, 0.0, 0.15]\n"
-        "\n[plane]\nz = 150\nsize = 0.1\n"
+        "\n[plane]\nz = 150\nsize = 0.1\n",
+        encoding="utf-8",
     )
     with pytest.raises(SystemExit) as left:
         cli.main(["solve", str(path), "--solver", "naive"])

@@ -54,7 +54,7 @@ def everything(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_every_figure_has_its_files(everything: Path) -> None:
     for name in FIGURES:
         assert (everything / f"{name}.png").read_bytes().startswith(b"\x89PNG")
-        assert "</svg>" in (everything / f"{name}.svg").read_text()
+        assert "</svg>" in (everything / f"{name}.svg").read_text("utf-8")
         with (everything / f"{name}.csv").open(newline="") as file:
             rows = list(csv.DictReader(file))
         assert rows
@@ -250,7 +250,7 @@ def test_bad_requests_are_one_line(run: Command, tmp_path: Path) -> None:
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_ctrl_c_keeps_what_is_done(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "midair", "reproduce", "fig3", "--output", str(tmp_path)]
-    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8")
     try:
         end = time.monotonic() + HANG
         while not list(tmp_path.glob(".chunks/*/*.npz")):

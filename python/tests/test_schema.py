@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 ROOT = Path(__file__).parents[2]
-SCHEMA = json.loads((ROOT / "docs" / "scene.schema.json").read_text())
+SCHEMA = json.loads((ROOT / "docs" / "scene.schema.json").read_text("utf-8"))
 
 sys.path.insert(0, str(ROOT / "book"))
 schema = importlib.import_module("schema")
@@ -54,9 +54,11 @@ def faults(value: Any, wanted: dict[str, Any], path: str = "") -> list[str]:
 
 def documents() -> list[tuple[str, str]]:
     """Returns the scene files of docs/scenes and those in the pages, with their names."""
-    found = [(file.name, file.read_text()) for file in sorted((ROOT / "docs" / "scenes").glob("*.toml"))]
+    found = [
+        (file.name, file.read_text("utf-8")) for file in sorted((ROOT / "docs" / "scenes").glob("*.toml"))
+    ]
     for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
-        blocks = re.findall(r"^```toml\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
+        blocks = re.findall(r"^```toml\n(.*?)^```", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
         scenes = [block for block in blocks if "[array]" in block and "[[solver]]" not in block]
         found += [(f"{page.relative_to(ROOT)}, {k + 1}", block) for k, block in enumerate(scenes)]
     return found
@@ -64,7 +66,7 @@ def documents() -> list[tuple[str, str]]:
 
 def test_it_is_what_the_cores_table_says() -> None:
     for name, content in schema.WRITTEN.items():
-        assert content() == (ROOT / name).read_text(), "run `make generated`"
+        assert content() == (ROOT / name).read_text("utf-8"), "run `make generated`"
 
 
 def test_every_key_has_its_meaning_on_one_line() -> None:
@@ -81,9 +83,11 @@ def test_scene_files_fit(name: str, text: str) -> None:
 
 def sweeps() -> list[tuple[str, str]]:
     """Returns the sweep files of docs/sweeps and those in the pages, with their names."""
-    found = [(file.name, file.read_text()) for file in sorted((ROOT / "docs" / "sweeps").glob("*.toml"))]
+    found = [
+        (file.name, file.read_text("utf-8")) for file in sorted((ROOT / "docs" / "sweeps").glob("*.toml"))
+    ]
     for page in sorted((ROOT / "docs").rglob("*.md")):
-        blocks = re.findall(r"^```toml\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
+        blocks = re.findall(r"^```toml\n(.*?)^```", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
         found += [(f"{page.name}, {k + 1}", block) for k, block in enumerate(blocks) if "[[solver]]" in block]
     return found
 

@@ -278,7 +278,7 @@ def ran(*words: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-m", "midair", "motion", *map(str, words)],
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         check=False,
     )
 
@@ -286,7 +286,7 @@ def ran(*words: object) -> subprocess.CompletedProcess[str]:
 @pytest.mark.slow
 def test_the_command_writes_what_it_is_requested(tmp_path: Path):
     scene = tmp_path / "orbit.toml"
-    scene.write_text(SCENE)
+    scene.write_text(SCENE, "utf-8")
     out, image = tmp_path / "orbit.npz", tmp_path / "orbit.png"
     done = ran(scene, "-o", out, "--image", image)
     assert done.returncode == 0, done.stderr
@@ -300,7 +300,9 @@ def test_the_command_writes_what_it_is_requested(tmp_path: Path):
 @pytest.mark.slow
 def test_the_command_writes_a_closed_sequence(tmp_path: Path):
     scene, out = tmp_path / "orbit.toml", tmp_path / "orbit.npz"
-    scene.write_text(SCENE.replace("change = 0.2", 'change = 0.2\nclosed = true\nahead = "all"'))
+    scene.write_text(
+        SCENE.replace("change = 0.2", 'change = 0.2\nclosed = true\nahead = "all"'), encoding="utf-8"
+    )
     done = ran(scene, "-o", out)
     assert done.returncode == 0, done.stderr
     assert midair.Sequence.load(out).closed
@@ -326,7 +328,7 @@ def test_a_bad_scene_file_is_refused_in_a_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], change: tuple[str, str], reported: str
 ):
     scene = tmp_path / "orbit.toml"
-    scene.write_text(SCENE.replace(*change))
+    scene.write_text(SCENE.replace(*change), encoding="utf-8")
     with pytest.raises(SystemExit) as left:
         cli.main(["motion", str(scene)])
     error = capsys.readouterr().err

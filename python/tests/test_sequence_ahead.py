@@ -159,7 +159,7 @@ def test_threads_leave_no_trace(threads: str) -> None:
     reported = subprocess.run(
         [sys.executable, "-c", THREADS],
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         check=True,
         cwd=os.path.dirname(__file__),
         env={**os.environ, "RAYON_NUM_THREADS": threads},

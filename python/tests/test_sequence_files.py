@@ -247,7 +247,7 @@ def test_a_film_is_given_to_ffmpeg(tmp_path: Path) -> None:
     program, path = tmp_path / "ffmpeg", tmp_path / "motion.mp4"
     with rc_context({"animation.ffmpeg_path": str(program)}):
         for text in (KEEPS, FAILS):
-            program.write_text(text)
+            program.write_text(text, "utf-8")
             program.chmod(0o755)
             if text == KEEPS:
                 made().animate(path, frames=3)

@@ -427,7 +427,9 @@ def test_options_that_let_nothing_play_are_refused(options: dict[str, Any], told
 @pytest.mark.slow
 def test_the_command_prints_where_it_serves_and_ends_by_ctrl_c() -> None:
     command = [sys.executable, "-m", "midair", "serve", "--on", "sonicsurface:loop"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as program:
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8"
+    ) as program:
         assert program.stdout is not None
         address, osc = program.stdout.readline().strip(), program.stdout.readline()
         assert osc.startswith("osc://127.0.0.1:")

@@ -69,7 +69,7 @@ def places(server: PointServer, program: subprocess.Popen[str]) -> list[list[flo
 
 def test_python(server: PointServer) -> None:
     command = [sys.executable, str(CLIENTS / "client.py"), server.address]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, encoding="utf-8") as program:
         found = np.array(places(server, program))
         assert program.stdout is not None
         greeting, state = program.stdout.read().splitlines()
@@ -89,7 +89,7 @@ def test_a_web_page(server: PointServer, tmp_path: Path) -> None:
     page = tmp_path / "page.mjs"
     page.write_text(PAGE % script, "utf-8")
     command = [node, "--experimental-websocket", str(page), server.address]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, encoding="utf-8") as program:
         found = places(server, program)
         assert program.stdout is not None
         assert '"transducers": 256' in program.stdout.read()

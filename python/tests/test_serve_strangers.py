@@ -63,7 +63,7 @@ class Served(NamedTuple):
 
     def cpu(self) -> float:
         """Returns the CPU time in s that the server has used."""
-        fields = Path(f"/proc/{self.program.pid}/stat").read_text().rpartition(")")[2].split()
+        fields = Path(f"/proc/{self.program.pid}/stat").read_text("utf-8").rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
@@ -72,12 +72,12 @@ def serving(log: Path, on: str = "sonicsurface:loop", files: int = 1024) -> Iter
     """Runs the command until the block ends; it must still serve then, and have printed few lines."""
     limit = (files, resource.getrlimit(resource.RLIMIT_NOFILE)[1])
     with (
-        log.open("w") as errors,
+        log.open("w", encoding="utf-8") as errors,
         subprocess.Popen(
             [sys.executable, "-m", "midair", "serve", "--on", on],
             stdout=subprocess.PIPE,
             stderr=errors,
-            text=True,
+            encoding="utf-8",
             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, limit),
         ) as program,
     ):
@@ -86,7 +86,7 @@ def serving(log: Path, on: str = "sonicsurface:loop", files: int = 1024) -> Iter
             address, datagrams, _ = (program.stdout.readline() for _ in range(3))
             port, token = re.findall(r":(\d+)/\?token=(.+)", address)[0]
             yield Served(program, int(port), int(re.findall(r":(\d+) ", datagrams)[0]), token, log)
-            assert len(log.read_text().splitlines()) <= LINES
+            assert len(log.read_text("utf-8").splitlines()) <= LINES
         finally:
             program.kill()
 
@@ -237,7 +237,7 @@ def test_more_connections_than_files_end_nothing(tmp_path: Path) -> None:
             player.recv(timeout=5)
             assert "error" in player.recv(timeout=5)
         assert made.state()["frames"] > 0
-        assert len(made.log.read_text().splitlines()) <= LINES
+        assert len(made.log.read_text("utf-8").splitlines()) <= LINES
 
 
 @pytest.mark.slow
@@ -275,7 +275,9 @@ def test_one_client_too_many_is_told_so(served: Served) -> None:
 def test_a_lost_board_is_connected_again(tmp_path: Path) -> None:
     with serving(tmp_path / "log") as made, connect(made.address) as player:
         player.recv(timeout=5)
-        children = Path(f"/proc/{made.program.pid}/task/{made.program.pid}/children").read_text().split()
+        children = (
+            Path(f"/proc/{made.program.pid}/task/{made.program.pid}/children").read_text("utf-8").split()
+        )
         for child in children:
             os.kill(int(child), 9)
         begin = time.monotonic()
@@ -302,5 +304,5 @@ def test_a_board_that_stays_lost_ends_the_server_with_a_status(tmp_path: Path) -
                     player.send(POINTS)
                     time.sleep(0.02)
         assert made.program.wait(20) == 2
-        *_, told = made.log.read_text().splitlines()
+        *_, told = made.log.read_text("utf-8").splitlines()
         assert line.port in told

@@ -24,7 +24,7 @@ def svg(tmp_path: Path) -> Callable[..., Points]:
 
     def drawn(inside: str, **keywords: Any) -> Points:
         path = tmp_path / "drawing.svg"
-        path.write_text(f"{HEAD}{inside}</svg>")
+        path.write_text(f"{HEAD}{inside}</svg>", "utf-8")
         return shape.svg(path, **{"size": 0.08, "z": 0.15, **keywords})
 
     return drawn

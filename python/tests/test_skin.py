@@ -82,7 +82,7 @@ def on_plane(frequency: float, lines: NDArray[np.complex64], step: float) -> NDA
 
 def test_a_circle_moves_the_skin_as_the_record_has_it() -> None:
     """The record is by an earlier program in NumPy; the core's tests and the studio's read it, too."""
-    record = json.loads((Path(__file__).parents[2] / "golden/touch/ring.json").read_text())
+    record = json.loads((Path(__file__).parents[2] / "golden/touch/ring.json").read_text("utf-8"))
     count, height = record["frames"], record["height"]
     array = midair.Array.preset(record["array"])
     angles = 2 * np.pi * np.arange(count) / count

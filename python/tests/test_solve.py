@@ -267,7 +267,7 @@ def test_scene_file_names_the_solver_by_default(tmp_path) -> None:
     path = tmp_path / "scene.toml"
     small().save(path)
     table = '[solver]\nname = "greedy"\nphases = 4\nseed = 9\nbalance = true\n'
-    path.write_text(table + path.read_text())
+    path.write_text(table + path.read_text("utf-8"), encoding="utf-8")
     scene = midair.Scene.load(path)
     assert scene.solver == ("greedy", {"phases": 4, "seed": 9, "balance": True})
     plain = small()

@@ -57,7 +57,7 @@ midair.solve_batch(array, points, solver="lm", phases=16)  # wrong: another solv
 
 
 def test_the_stubs_of_keywords_are_what_the_core_declares() -> None:
-    stub = ast.parse((ROOT / "python" / "midair" / "_keywords.pyi").read_text(encoding="utf-8"))
+    stub = ast.parse((ROOT / "python" / "midair" / "_keywords.pyi").read_text("utf-8"))
     classes = {one.name: one.body for one in stub.body if isinstance(one, ast.ClassDef)}
 
     def declared(name: str) -> dict[str, tuple[str, str]]:
@@ -87,7 +87,7 @@ def test_the_stubs_of_keywords_are_what_the_core_declares() -> None:
 
 
 def test_the_stubs_of_the_extension_have_its_docstrings() -> None:
-    stub = ast.parse((ROOT / "python" / "midair" / "_midair.pyi").read_text(encoding="utf-8"))
+    stub = ast.parse((ROOT / "python" / "midair" / "_midair.pyi").read_text("utf-8"))
     documented = {one.name: ast.get_docstring(one) for one in stub.body if hasattr(one, "name")}
     for name in ("Gorkov", "solvers", "Rest", "Metrics"):
         assert documented[name] == inspect.getdoc(getattr(midair._midair, name))
@@ -96,7 +96,7 @@ def test_the_stubs_of_the_extension_have_its_docstrings() -> None:
 @pytest.mark.slow
 def test_a_type_checker_knows_every_solvers_options(tmp_path: Path) -> None:
     path = tmp_path / "calls.py"
-    path.write_text(CALLS)
+    path.write_text(CALLS, "utf-8")
     out, err, _ = api.run(["--strict", "--cache-dir", str(ROOT / ".mypy_cache"), str(path)])
     assert not err
     wrong = {number for number, line in enumerate(CALLS.splitlines(), 1) if "# wrong" in line}

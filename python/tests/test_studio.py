@@ -46,7 +46,7 @@ Answer = tuple[int, dict[str, str], bytes]
 
 @pytest.fixture
 def built(tmp_path: Path) -> Path:
-    (tmp_path / "secret.txt").write_text("secret")
+    (tmp_path / "secret.txt").write_text("secret", "utf-8")
     return build(tmp_path / "built")
 
 
@@ -190,7 +190,7 @@ def test_a_scene_that_cannot_be_shown_is_one_line(
 ) -> None:
     monkeypatch.setattr(command, "Server", partial(Server, folder=built))
     path = tmp_path / "scene.toml"
-    path.write_text(text)
+    path.write_text(text, "utf-8")
     status, out, err = run(path)
     assert (status, out) == (2, "")
     assert err.count("\n") == 1
@@ -201,7 +201,7 @@ def test_a_scene_that_cannot_be_shown_is_one_line(
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="its Ctrl-C goes to the whole console")
 def test_the_command_serves_a_scene_until_ctrl_c(built: Path, tmp_path: Path) -> None:
-    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "scene.toml").write_text(SCENE, "utf-8")
     program = (
         "import functools, pathlib, sys; from midair import _cli as cli; from midair._cli import studio;"
         "studio.Server = functools.partial(studio.Server, folder=pathlib.Path(sys.argv[1]));"
@@ -209,7 +209,7 @@ def test_the_command_serves_a_scene_until_ctrl_c(built: Path, tmp_path: Path) ->
     )
     process = subprocess.Popen(
         [sys.executable, "-c", program, str(built)],
-        cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
     )  # fmt: skip
     with process:
         assert process.stdout is not None
@@ -251,7 +251,7 @@ def test_the_built_page_is_whole() -> None:
     for name in ("index.html", "midair.wasm", "widget.mjs"):
         assert (BUILT / name).stat().st_size > 100, name
     with Server() as server:
-        page = (BUILT / "index.html").read_text(encoding="utf-8")
+        page = (BUILT / "index.html").read_text("utf-8")
         used = re.findall(r'(?:src|href)="\./([^"]+)"', page)
         assert used
         assert {f"/{name}" for name in used} <= set(server.files)

@@ -301,11 +301,11 @@ def test_letters_that_need_a_shaper_are_refused_by_name() -> None:
 
 
 def test_a_warning_of_a_scene_file_names_the_drawing(tmp_path: Path) -> None:
-    (tmp_path / "a.svg").write_text(f"{HEAD}<text>hi</text>{RECT}</svg>")
+    (tmp_path / "a.svg").write_text(f"{HEAD}<text>hi</text>{RECT}</svg>", "utf-8")
     text = '[array]\npreset = "paper20"\n[shape]\nkind = "svg"\nfile = "a.svg"\nsize = 0.02\nz = 0.1\n'
     with pytest.warns(midair.SceneWarning, match=r"a\.svg without 1 text"):
         midair.Scene.parse(text, folder=tmp_path)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        (tmp_path / "a.svg").write_text(f"{HEAD}{RECT}</svg>")
+        (tmp_path / "a.svg").write_text(f"{HEAD}{RECT}</svg>", "utf-8")
         midair.Scene.parse(text, folder=tmp_path)

@@ -100,7 +100,7 @@ def test_threads_and_chunks_change_no_number() -> None:
 
 @pytest.mark.parametrize("scenes", [False, True], ids=["random", "scenes"])
 def test_the_batch_solver_takes_what_shares_a_seed(scenes: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    Path("scene.toml").write_text(SCENE)
+    Path("scene.toml").write_text(SCENE, "utf-8")
     names = [{"name": "greedy"}, {"name": "greedy", "seed": 4}, {"name": "gspat"}]
     solvers = [{**name, "balance": True} for name in names]
     request = {"scenes": ["scene.toml"], "solver": solvers, "seeds": 3} if scenes else changed(solver=solvers)
@@ -121,7 +121,7 @@ def test_the_batch_solver_takes_what_shares_a_seed(scenes: bool, monkeypatch: py
 @pytest.mark.slow
 def test_csv_parquet_and_python_agree() -> None:
     table = midair.sweep(REQUESTED, "table.csv")
-    with Path("table.csv").open(newline="") as file:
+    with Path("table.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     assert [float(row["sigma"]) for row in rows] == table["sigma"].tolist()
     assert [row["phases"] for row in rows[8:12]] == ["16", "16", "", ""]
@@ -134,9 +134,9 @@ def test_csv_parquet_and_python_agree() -> None:
 
 def test_scenes_are_swept_relative_to_the_file() -> None:
     Path("scenes").mkdir()
-    Path("scenes/two.toml").write_text(SCENE)
+    Path("scenes/two.toml").write_text(SCENE, "utf-8")
     Path("scenes/sweep.json").write_text(
-        json.dumps({"scenes": ["two.toml"], "solver": {"name": "lm", "seed": 4}})
+        json.dumps({"scenes": ["two.toml"], "solver": {"name": "lm", "seed": 4}}), encoding="utf-8"
     )
     table = midair.sweep("scenes/sweep.json")
     assert list(table)[:6] == ["index", "scene", "transducers", "points", "solver", "seed"]
@@ -184,7 +184,7 @@ def test_balanced_and_even_methods_are_not_weak() -> None:
 
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGE = DOCS.joinpath("sweeps.md").read_text()
+PAGE = DOCS.joinpath("sweeps.md").read_text("utf-8")
 
 
 def blocks(language: str) -> list[str]:
@@ -197,7 +197,7 @@ def sane(table: dict[str, np.ndarray]) -> bool:
     return bool(np.all(near)) and set(table["status"]) == {"done"}
 
 
-EXAMPLES = [*blocks("toml"), DOCS.joinpath("sweeps", "dataset.toml").read_text()]
+EXAMPLES = [*blocks("toml"), DOCS.joinpath("sweeps", "dataset.toml").read_text("utf-8")]
 PROBLEMS = [4 * 3 * 100, 3 * 2 * 2 * 2 * 5, 100_000]
 
 

@@ -127,12 +127,16 @@ def test_files_spell_axes_in_every_way_of_toml() -> None:
     }
     found = []
     for name, text in ways.items():
-        Path(f"{name}.toml").write_text(text + rest)
+        Path(f"{name}.toml").write_text(text + rest, "utf-8")
         found.append(midair.sweep(f"{name}.toml", f"{name}.csv"))
     assert equal(found[0], found[1])
     assert equal(found[0], found[2])
     assert found[0]["array.quantization"].tolist() == ['{"phases": 4}', "{}"] * 2
-    assert Path("dots.csv").read_text().startswith("index,array,transducers,points,medium.temperature,array.")
+    assert (
+        Path("dots.csv")
+        .read_text("utf-8")
+        .startswith("index,array,transducers,points,medium.temperature,array.")
+    )
     midair.sweep("dots.toml", "dots.parquet")
     assert pq.read_table("dots.parquet")["medium.temperature"].to_pylist() == [15, 15, 25, 25]
 
@@ -208,7 +212,7 @@ def test_positions_may_lie_in_files_beside_the_sweep() -> None:
     values = [{"file": "bowl.csv"}, {"file": "flat.csv"}]
     request = {"array": {"positions": values[0]}, "axes": {"array.positions": values}}
     points = {"positions": PLACES, "pressure": 20.0}
-    Path("study/sweep.json").write_text(json.dumps({**STILL, **request, "points": points}))
+    Path("study/sweep.json").write_text(json.dumps({**STILL, **request, "points": points}), encoding="utf-8")
     table = midair.sweep("study/sweep.json")
     assert table["transducers"].tolist() == [30, 9]
     for residual, array in zip(table["residual"], (bowl, bowl[:9]), strict=True):

@@ -156,11 +156,11 @@ def test_only_what_is_ours_is_removed() -> None:
     Path("elsewhere").mkdir()
     kept = [folder / "notes.txt", folder / own.parent / "notes.txt", Path("elsewhere", "0-5.npz")]
     for path in kept:
-        path.write_text("mine")
+        path.write_text("mine", "utf-8")
     link = folder / ("0" * 20)
     link.symlink_to(Path("elsewhere").resolve(), target_is_directory=True)
     midair.sweep(REQUESTED, "table.csv")
-    assert all(path.read_text() == "mine" for path in kept)
+    assert all(path.read_text("utf-8") == "mine" for path in kept)
     assert link.is_symlink()
     assert {path.name for path in folder.rglob("*")} == {"notes.txt", own.parent.name, link.name}
 

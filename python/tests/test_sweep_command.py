@@ -35,7 +35,7 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
 
 
 def test_the_command_writes_what_python_gives(run: Run) -> None:
-    Path("sweep.toml").write_text(TOML)
+    Path("sweep.toml").write_text(TOML, "utf-8")
     status, out, err = run("sweep", "sweep.toml", "-o", "table.csv", "--drives", "drives.zarr")
     assert (status, err) == (0, "")
     assert "wrote 18 rows to table.csv and drives.zarr" in out
@@ -97,7 +97,7 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
 @pytest.mark.parametrize("name", BAD)
 def test_a_bad_request_is_one_line_and_nothing_is_written(name: str, run: Run) -> None:
     tables, words = BAD[name]
-    Path("sweep.json").write_text(json.dumps(changed(**tables)))
+    Path("sweep.json").write_text(json.dumps(changed(**tables)), encoding="utf-8")
     status, out, err = run("sweep", "sweep.json", "-o", "table.csv")
     assert (status, out) == (2, "")
     assert err.count("\n") == 1
@@ -107,7 +107,7 @@ def test_a_bad_request_is_one_line_and_nothing_is_written(name: str, run: Run) -
 
 
 def test_files_that_cannot_be_written_are_refused_first(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    Path("sweep.toml").write_text(TOML)
+    Path("sweep.toml").write_text(TOML, "utf-8")
     Path("mine.zarr").mkdir()
     for arguments, words in (
         (["-o", "table.txt"], "no known ending"),
@@ -122,7 +122,7 @@ def test_files_that_cannot_be_written_are_refused_first(run: Run, monkeypatch: p
         assert (status, err.count("\n")) == (2, 1), err
         assert words in err
     for content, words in (("[array\n", "sweep.toml"), ("\x00", "sweep.toml")):
-        Path("sweep.toml").write_text(content)
+        Path("sweep.toml").write_text(content, "utf-8")
         status, _, err = run("sweep", "sweep.toml", "-o", "table.csv")
         assert (status, err.count("\n")) == (2, 1)
         assert words in err

@@ -97,9 +97,11 @@ def test_a_stopped_sweep_leaves_its_chunks_in_their_midst(
     ("number", "words"), [(signal.SIGINT, "interrupted\n"), (signal.SIGTERM, "terminated\n")], ids=str
 )
 def test_a_signal_keeps_what_is_done_and_says_so_in_one_line(number: int, words: str) -> None:
-    Path("sweep.toml").write_text(TOML.replace('"greedy"', '"lm"').replace("seeds = 3", "seeds = 100000"))
+    Path("sweep.toml").write_text(
+        TOML.replace('"greedy"', '"lm"').replace("seeds = 3", "seeds = 100000"), encoding="utf-8"
+    )
     command = [sys.executable, "-m", "midair", "sweep", "sweep.toml", "--output", "table.csv"]
-    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8")
     try:
         end = time.monotonic() + HANG
         while not list(Path().glob(".table.csv.chunks/*/*.npz")):
@@ -134,12 +136,12 @@ FOREIGN: dict[str, Callable[[Path], None]] = {
     "a file within ours": lambda path: (midair.sweep(REQUESTED, drives=path), (path / "notes.txt").touch()),
     "ours without its mark": lambda path: (
         midair.sweep(REQUESTED, drives=path),
-        (path / "zarr.json").write_text("[]"),
+        (path / "zarr.json").write_text("[]", "utf-8"),
     ),
     "a plain folder": lambda path: (path.mkdir(), (path / "notes.txt").touch()),
     "an empty folder": Path.mkdir,
     "a file": Path.touch,
-    "no JSON": lambda path: (path.mkdir(), (path / "zarr.json").write_text("{" * 9)),
+    "no JSON": lambda path: (path.mkdir(), (path / "zarr.json").write_text("{" * 9, "utf-8")),
 }
 
 
@@ -191,8 +193,8 @@ def test_drives_that_came_meanwhile_are_not_replaced(monkeypatch: pytest.MonkeyP
 @pytest.mark.parametrize("file", ["sweep.csv", "scene.csv"])
 def test_what_is_read_is_not_written_over(file: str, way: str, monkeypatch: pytest.MonkeyPatch) -> None:
     # Every file is read as TOML unless it ends in .json.
-    Path("scene.csv").write_text(SCENE)
-    Path("sweep.csv").write_text('scenes = ["scene.csv"]\nsolver = { name = "naive" }\n')
+    Path("scene.csv").write_text(SCENE, "utf-8")
+    Path("sweep.csv").write_text('scenes = ["scene.csv"]\nsolver = { name = "naive" }\n', "utf-8")
     output = Path("table.csv")
     if way == "itself":
         output = Path(file)
@@ -212,16 +214,16 @@ def test_what_is_read_is_not_written_over(file: str, way: str, monkeypatch: pyte
 
 def test_a_sweep_file_within_the_drives_is_not_removed() -> None:
     midair.sweep(REQUESTED, drives="drives.zarr")
-    Path("drives.zarr", "sweep.toml").write_text(TOML)
+    Path("drives.zarr", "sweep.toml").write_text(TOML, "utf-8")
     with pytest.raises(midair.SceneError, match=r"sweep\.toml"):
         midair.sweep("drives.zarr/sweep.toml", drives="drives.zarr")
     assert Path("drives.zarr", "sweep.toml").exists()
 
 
 def test_another_table_is_replaced() -> None:
-    Path("table.csv").write_text("an older one")
+    Path("table.csv").write_text("an older one", "utf-8")
     midair.sweep(REQUESTED, "table.csv")
-    assert len(Path("table.csv").read_text().splitlines()) == 61
+    assert len(Path("table.csv").read_text("utf-8").splitlines()) == 61
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
@@ -265,7 +267,7 @@ def test_what_dead_processes_left_is_removed() -> None:
     ],
 )
 def test_a_mistake_in_a_sweep_file_is_reported_in_its_line(name: str, text: str, reported: str) -> None:
-    Path(name).write_text(text)
+    Path(name).write_text(text, "utf-8")
     with pytest.raises(midair.SceneError) as error:
         midair.sweep(name)
     assert reported in str(error.value)
@@ -274,5 +276,5 @@ def test_a_mistake_in_a_sweep_file_is_reported_in_its_line(name: str, text: str,
 
 
 def test_whole_numbers_of_a_sweep_file_stay_whole() -> None:
-    Path("a.toml").write_text(TOML.replace("seeds = 3", "seeds = [9223372036854775807, 1]"))
+    Path("a.toml").write_text(TOML.replace("seeds = 3", "seeds = [9223372036854775807, 1]"), encoding="utf-8")
     assert read("a.toml").blocks[0].settings["seeds"] == [9223372036854775807, 1]

@@ -184,7 +184,9 @@ def test_a_table_of_points_that_means_something_else_is_refused(
 
 
 def test_a_scene_file_names_an_array_of_another_program(tmp_path: Path) -> None:
-    (tmp_path / "a.json").write_text(json.dumps([{"origin": [0, 0, 0], "rotation": [1, 0, 0, 0]}]))
+    (tmp_path / "a.json").write_text(
+        json.dumps([{"origin": [0, 0, 0], "rotation": [1, 0, 0, 0]}]), encoding="utf-8"
+    )
     scene = midair.Scene.parse(SCENE.format("a.json"), folder=tmp_path)
     assert len(scene.array) == 249
     assert scene.array == midair.Array.from_file(tmp_path / "a.json")

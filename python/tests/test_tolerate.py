@@ -232,7 +232,7 @@ def test_the_command_prints_what_python_gives(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("scene.toml").write_text(FILE)
+    Path("scene.toml").write_text(FILE, "utf-8")
     requested = ["--phase", "20", "--dead", "0.05", "--temperature", "5", "--tilt", "1", "--trials", "20"]
     with pytest.raises(SystemExit) as left:
         cli.main(["tolerate", "scene.toml", *requested, "--image", "t.png", "--json"])
@@ -257,7 +257,7 @@ def test_ctrl_c_is_noticed_and_keeps_the_trials_that_are_done(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("scene.toml").write_text(FILE)
+    Path("scene.toml").write_text(FILE, "utf-8")
     pressed = []
 
     def press() -> None:

@@ -87,7 +87,7 @@ def compiled(folder: Path, *words: str) -> Path:
 
 
 def test_without_the_sdk_it_says_so(tmp_path: Path) -> None:
-    run = subprocess.run([compiled(tmp_path), "points.csv"], capture_output=True, text=True)
+    run = subprocess.run([compiled(tmp_path), "points.csv"], capture_output=True, encoding="utf-8")
     assert run.returncode == 1
     assert run.stderr.startswith("this needs Ultraleap's haptics SDK: ")
     assert run.stderr.count("\n") == 1
@@ -96,12 +96,14 @@ def test_without_the_sdk_it_says_so(tmp_path: Path) -> None:
 def test_points_come_at_their_times(tmp_path: Path) -> None:
     header = tmp_path / "ultraleap" / "haptics" / "streaming.hpp"
     header.parent.mkdir(parents=True)
-    header.write_text(SDK)
+    header.write_text(SDK, "utf-8")
     (tmp_path / "out").mkdir()
     program = compiled(tmp_path / "out", f"-I{tmp_path}")
     ring = midair.path.circle([0, 0, 0.2], 0.02, frequency=100, points=2)
     midair.write(tmp_path / "points.csv", ring, layout="points", rate=1000)
-    run = subprocess.run([program, tmp_path / "points.csv"], input="\n", capture_output=True, text=True)
+    run = subprocess.run(
+        [program, tmp_path / "points.csv"], input="\n", capture_output=True, encoding="utf-8"
+    )
     assert run.returncode == 0, run.stderr
     rows = [line for line in run.stdout.splitlines() if line[0] in "-0123456789"]
     got = np.array([row.split() for row in rows], float).reshape(80, 2, 4)
@@ -114,6 +116,6 @@ def test_points_come_at_their_times(tmp_path: Path) -> None:
     assert radius.max() <= 0.02 * (1 + 1e-5)
     assert radius.min() > 0.02 * np.cos(np.pi / 10) * (1 - 1e-5)
     np.testing.assert_allclose(got[..., 2:], [[[0.2, 1.0]] * 2] * 80, rtol=1e-5)
-    reported = subprocess.run([program], capture_output=True, text=True)
+    reported = subprocess.run([program], capture_output=True, encoding="utf-8")
     assert reported.returncode == 2
     assert "midair.write" in reported.stderr

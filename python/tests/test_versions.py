@@ -12,7 +12,7 @@ import pytest
 import midair
 
 ROOT = Path(__file__).parents[2]
-VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
+VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text("utf-8"))["workspace"]["package"]["version"]
 
 #: Files that repeat the version, each with the pattern of its line.
 REPEATED = {
@@ -28,28 +28,28 @@ REPEATED = {
 
 def test_the_package_has_it() -> None:
     assert midair.__version__ == VERSION
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     assert "version" in project["dynamic"], "the wheel takes it from Cargo.toml"
 
 
 @pytest.mark.parametrize("crate", ["core", "python", "capi"])
 def test_the_crates_have_it(crate: str) -> None:
-    package = tomllib.loads((ROOT / crate / "Cargo.toml").read_text())["package"]
+    package = tomllib.loads((ROOT / crate / "Cargo.toml").read_text("utf-8"))["package"]
     assert package["version"] == {"workspace": True}
 
 
 @pytest.mark.parametrize("file", sorted(REPEATED))
 def test_files_that_repeat_it_agree(file: str) -> None:
-    assert re.findall(REPEATED[file], (ROOT / file).read_text(), re.MULTILINE) == [VERSION]
+    assert re.findall(REPEATED[file], (ROOT / file).read_text("utf-8"), re.MULTILINE) == [VERSION]
 
 
 @pytest.mark.parametrize("folder", ["npm", "studio", "unity"])
 def test_packages_for_node_and_unity_agree(folder: str) -> None:
-    assert json.loads((ROOT / folder / "package.json").read_text())["version"] == VERSION
+    assert json.loads((ROOT / folder / "package.json").read_text("utf-8"))["version"] == VERSION
 
 
 def test_the_changelog_begins_with_it_or_with_what_comes_next() -> None:
-    changelog = (ROOT / "CHANGELOG.md").read_text()
+    changelog = (ROOT / "CHANGELOG.md").read_text("utf-8")
     (word, newest), *_ = re.findall(r"^## (Unreleased: )?(\d+\.\d+\.\d+)", changelog, re.MULTILINE)
     ours, theirs = ([int(part) for part in version.split(".")] for version in (VERSION, newest))
     assert ours < theirs if word else ours == theirs
@@ -57,12 +57,12 @@ def test_the_changelog_begins_with_it_or_with_what_comes_next() -> None:
 
 def test_the_list_of_bundled_software_is_that_of_the_lock_file() -> None:
     release = SimpleNamespace(**runpy.run_path(str(ROOT / "python" / "release.py")))
-    assert release.third_party() == (ROOT / "python" / "THIRD-PARTY.md").read_text()
+    assert release.third_party() == (ROOT / "python" / "THIRD-PARTY.md").read_text("utf-8")
 
 
 def test_the_recipe_for_conda_needs_what_the_wheel_needs() -> None:
-    recipe = (ROOT / "python" / "conda" / "recipe.yaml").read_text()
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    recipe = (ROOT / "python" / "conda" / "recipe.yaml").read_text("utf-8")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     (run,) = re.findall(r"^  run:\n((?:    - .*\n)+)", recipe, re.MULTILINE)
     given = [line.removeprefix("    - ").replace(" ", "") for line in run.splitlines()]
     # conda's matplotlib includes graphical backends; the package needs only matplotlib-base.
@@ -71,13 +71,15 @@ def test_the_recipe_for_conda_needs_what_the_wheel_needs() -> None:
 
 
 def test_the_day_of_the_release_is_the_changelogs() -> None:
-    (day,) = re.findall(r"^date-released: (\S+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE)
-    assert re.search(rf"^## {re.escape(VERSION)}, {day}$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    (day,) = re.findall(r"^date-released: (\S+)$", (ROOT / "CITATION.cff").read_text("utf-8"), re.MULTILINE)
+    assert re.search(
+        rf"^## {re.escape(VERSION)}, {day}$", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE
+    )
 
 
 def test_workflows_test_pull_requests_and_build_tags_on_three_systems() -> None:
     tests, wheels = (
-        (ROOT / ".github" / "workflows" / f"{name}.yml").read_text() for name in ("tests", "wheels")
+        (ROOT / ".github" / "workflows" / f"{name}.yml").read_text("utf-8") for name in ("tests", "wheels")
     )
     assert re.search(r"^  pull_request:$", tests, re.MULTILINE)
     assert 'tags: ["v*"]' in wheels
@@ -87,13 +89,13 @@ def test_workflows_test_pull_requests_and_build_tags_on_three_systems() -> None:
 
 
 def test_the_crate_brings_its_licence() -> None:
-    assert (ROOT / "core" / "LICENSE").read_text() == (ROOT / "LICENSE").read_text()
+    assert (ROOT / "core" / "LICENSE").read_text("utf-8") == (ROOT / "LICENSE").read_text("utf-8")
 
 
 def test_the_header_names_the_librarys_binary_interface() -> None:
     (header,) = re.findall(
-        r"^#define MIDAIR_ABI (\d+)$", (ROOT / "capi/include/midair.h").read_text(), re.MULTILINE
+        r"^#define MIDAIR_ABI (\d+)$", (ROOT / "capi/include/midair.h").read_text("utf-8"), re.MULTILINE
     )
-    (library,) = re.findall(r"MIDAIR_ABI: u32 = (\d+);", (ROOT / "capi/src/abi.rs").read_text())
+    (library,) = re.findall(r"MIDAIR_ABI: u32 = (\d+);", (ROOT / "capi/src/abi.rs").read_text("utf-8"))
     assert header == library
-    assert f"`libmidair.so.{library}`" in (ROOT / "docs/c.md").read_text()
+    assert f"`libmidair.so.{library}`" in (ROOT / "docs/c.md").read_text("utf-8")

@@ -26,7 +26,7 @@ assert not loaded & {"matplotlib", "rich", "cyclopts"}, loaded
 
 
 def run(*command: object, cwd: Path) -> None:
-    done = subprocess.run([str(part) for part in command], cwd=cwd, capture_output=True, text=True)
+    done = subprocess.run([str(part) for part in command], cwd=cwd, capture_output=True, encoding="utf-8")
     assert done.returncode == 0, done.stderr
 
 

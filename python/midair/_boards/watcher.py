@@ -79,7 +79,12 @@ class Stops:
 def _state(process: int) -> str:
     """Return the letter of a process's state from /proc, "" if it cannot be read."""
     with suppress(OSError):
-        return Path(f"/proc/{process}/stat").read_text(errors="replace").rpartition(")")[2].split()[0]
+        return (
+            Path(f"/proc/{process}/stat")
+            .read_text("utf-8", "replace")
+            .rpartition(")")[2]
+            .split()[0]
+        )
     return ""
 
 
