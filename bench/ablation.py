@@ -6,8 +6,6 @@ bench `levels` once, and writes the table of docs/performance/steps.md. Half an 
 parts it prints their rows only.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

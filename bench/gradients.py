@@ -6,8 +6,6 @@ threads, the least of several rounds in which all calls take turns, so that othe
 have little effect. This needs `midair[jax]`.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Callable

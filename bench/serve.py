@@ -6,8 +6,6 @@ the time, and one that opens connections without the token and sends damaged dat
 before each message and when the first changed frame arrives.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """Completes the stubs of the compiled core for the reference pages, which show one signature a function."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import griffe

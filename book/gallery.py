@@ -1,7 +1,5 @@
 """The gallery: docs/gallery.md, and the website's page of each example, with its program and notebook."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator

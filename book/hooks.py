@@ -4,8 +4,6 @@ Pages in docs/ link to files of the repository as on GitHub, `../CHANGELOG.md`. 
 is a page in `repository/`, and so are the files that it links to.
 """
 
-from __future__ import annotations
-
 import posixpath
 import re
 import sys

@@ -1,7 +1,5 @@
 """Checks the links of the built website: broken links, and files that a page would load from other hosts."""
 
-from __future__ import annotations
-
 import re
 import sys
 from html.parser import HTMLParser

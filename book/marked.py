@@ -1,7 +1,5 @@
 """Tables of the pages: as Markdown, and between their markers, <!-- NAME:begin --> and <!-- NAME:end -->."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterable, Sequence

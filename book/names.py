@@ -1,7 +1,5 @@
 """Checks that the built website has an anchor for every public name of the package; reports missing names."""
 
-from __future__ import annotations
-
 import dataclasses
 import inspect
 import re

@@ -3,8 +3,6 @@
 Run as a program, it writes docs/api.md, the page of all names, which is in the repository.
 """
 
-from __future__ import annotations
-
 import inspect
 import re
 from collections.abc import Iterator

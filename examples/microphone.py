@@ -6,8 +6,6 @@
 A sound card needs the extra midair[sound] and a rate of 96 kHz or more. This is untested on hardware.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable, Mapping
 from typing import Any

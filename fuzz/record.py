@@ -1,7 +1,5 @@
 """Writes the tables of docs/reliability.md: one row for each run of a test."""
 
-from __future__ import annotations
-
 import datetime
 import re
 import subprocess

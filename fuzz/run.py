@@ -4,8 +4,6 @@ A target is finished when it has run for the requested number of seconds or exec
 Earlier runs with this code count, too, so an interrupted run can be continued later.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -1,7 +1,5 @@
 """Runs the core's tests and fuzzing's inputs with sanitizers and Miri; recorded in docs/reliability.md."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import re

@@ -5,8 +5,6 @@ python gateware/autd3_run.py
 Cargo fetches the makers' crates and builds them in gateware/autd3, in a minute or two.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -7,8 +7,6 @@ FOLDER contains the makers' repositories, by default gateware/makers. The record
 This needs Debian's packages ghdl, simavr, libsimavr-dev and gcc.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Place, width and colours of the pages' pictures, and tables that are printed row by row."""
 
-from __future__ import annotations
-
 import io
 from itertools import product
 from pathlib import Path

@@ -4,8 +4,6 @@ Each file in this folder has a function `main`, which writes pictures to docs/ a
 that its first line names. All numbers are judged in double precision by the references of python/tests.
 """
 
-from __future__ import annotations
-
 import ast
 import sys
 from importlib import import_module

@@ -1,7 +1,5 @@
 """docs/exposure.md: levels at ears, tolerance to faults, and streaming (30 s)."""
 
-from __future__ import annotations
-
 import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray

@@ -1,7 +1,5 @@
 """docs/gallery.md: every example, with the picture that it draws (30 s)."""
 
-from __future__ import annotations
-
 import os
 import runpy
 import sys

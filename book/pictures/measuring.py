@@ -5,8 +5,6 @@ The fit does not know their directivity, that of a piston. The wall behind them 
 the sound speed is 346.1 m/s instead of 340 m/s.
 """
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """docs/motion.md: evenness, level and phase changes of `glide` and of sequences (5 min)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import matplotlib.pyplot as plt

@@ -1,7 +1,5 @@
 """README.md: a SonicSurface's phases, and the field of three foci that circle above it (10 s)."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np

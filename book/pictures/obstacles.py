@@ -1,7 +1,5 @@
 """docs/obstacles.md: foci beside a wall and beside a ball, solved with and without the obstacle (10 s)."""
 
-from __future__ import annotations
-
 import time
 
 import matplotlib.pyplot as plt

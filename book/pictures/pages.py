@@ -1,7 +1,5 @@
 """docs/boards.md, embedded.md, sweeps.md, why.md: pictures readable on a phone; the card of links (20 s)."""
 
-from __future__ import annotations
-
 import re
 
 import matplotlib.pyplot as plt

@@ -1,7 +1,5 @@
 """docs/paper.md: the figures of Suzuki et al. 2021 by `midair reproduce`, and their tables (2 h)."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """docs/performance.md: two charts of the newest record of `make bench-peers` (2 s)."""
 
-from __future__ import annotations
-
 import sys
 
 import numpy as np

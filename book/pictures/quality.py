@@ -4,8 +4,6 @@ Quality is the mean over the paper's random scenes. Time is the CPU time of a wh
 thread: the median of rounds in which the methods take turns, for the first of those scenes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """docs/touch.md: common tactile techniques by `midair.skin`, and `midair.haptic` beside them (5 min)."""
 
-from __future__ import annotations
-
 import math
 import time
 

@@ -11,8 +11,6 @@ frame solved alone; the mean is in brackets. The last one is the beads' largest 
 OMP_NUM_THREADS=1 helps on few cores.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Arguments from Python: unusual values give an error of one line, unusual memory layouts change nothing."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Stored results of a sweep: a file gives the result that was stored, or none if it is damaged."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from guided import Data, folder, fuzz, spoilt

@@ -1,7 +1,5 @@
 """Drawings: any text, read as SVG, gives an error of one line or finite points, within seconds."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from guided import REFUSALS, Data, fuzz, refused

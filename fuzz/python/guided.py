@@ -2,8 +2,6 @@
 With "replay", runs the function on the stored inputs.
 """
 
-from __future__ import annotations
-
 import sys
 import tempfile
 import warnings

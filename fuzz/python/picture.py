@@ -1,7 +1,5 @@
 """Pictures: any bytes give an error of one line, or points with finite pressures."""
 
-from __future__ import annotations
-
 import io
 
 import numpy as np

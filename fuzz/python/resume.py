@@ -1,7 +1,5 @@
 """Resume folders: whatever they contain, the finished sequence is the requested one."""
 
-from __future__ import annotations
-
 import shutil
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Files of sequences: any bytes give an error of one line, or a sequence whose drives a board can play."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from guided import REFUSALS, Data, folder, fuzz, midair, refused, spoilt

@@ -1,7 +1,5 @@
 """The reader of sweep files: any text gives an error of one line, or a sweep with at least one problem."""
 
-from __future__ import annotations
-
 from guided import REFUSALS, folder, fuzz, refused
 from midair._sweep.request import read
 

@@ -1,7 +1,5 @@
 """Values computed from a fuzzer's bytes: numbers, lists, and arrays of every type and memory layout."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

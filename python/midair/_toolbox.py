@@ -4,8 +4,6 @@ So `import midair` loads only NumPy and the extension. The extension never impor
 `midair` registers this module with the extension, which calls its functions.
 """
 
-from __future__ import annotations
-
 import sys
 from importlib import import_module
 from typing import Any, cast

@@ -4,8 +4,6 @@ Those of the extension are made from its Rust source and docstrings. The build s
 maturin puts the files beside the extension, in wheels and after `maturin develop`.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 import sys

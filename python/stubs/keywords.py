@@ -4,8 +4,6 @@ For each solver there is a TypedDict of its options: editors complete the option
 options that the solver does not have.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Types of Python, for types of Rust and for types in numpydoc docstrings."""
 
-from __future__ import annotations
-
 import re
 from collections import defaultdict
 

@@ -1,7 +1,5 @@
 """What the extension exports, read from its Rust source, which rustfmt has formatted."""
 
-from __future__ import annotations
-
 import ast
 import json
 import re

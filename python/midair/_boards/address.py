@@ -1,7 +1,5 @@
 """Parses the address of a board, finds serial ports, and describes the guard process's transport."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

@@ -1,7 +1,5 @@
 """Transport to AUTD3 boards over UDP, for both protocol versions. All boards acknowledge every step."""
 
-from __future__ import annotations
-
 import struct
 import threading
 import time

@@ -6,8 +6,6 @@ discovered, numbered and opened one after another. The first board's clock is th
 of these steps and the times are those of the makers' autd3-rs 0.13.0.
 """
 
-from __future__ import annotations
-
 import re
 import select
 import socket

@@ -6,8 +6,6 @@ crates autd3-cpu-wire and autd3-cpu-fw, 0.12.0 for protocol 3 and 0.13.0 for pro
 import midair itself.
 """
 
-from __future__ import annotations
-
 import math
 import struct
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """`midair.Board`: converts drives to the bytes of a board, and back."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from os import PathLike, fspath

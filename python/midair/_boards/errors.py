@@ -1,7 +1,5 @@
 """Errors of boards and their links. Each message is one line with the item, its value and the cure."""
 
-from __future__ import annotations
-
 
 class BoardError(Exception):
     """Failure of a board or of the link to it.

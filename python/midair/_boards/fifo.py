@@ -3,8 +3,6 @@
 The chip accepts bytes as fast as the board plays frames, and blocks while the board's memory is full.
 """
 
-from __future__ import annotations
-
 from contextlib import suppress
 from typing import Any
 

@@ -6,8 +6,6 @@ stopped, and counts missing beats of an owner that hangs in native code. It runs
 closing the owner's terminal does not end it.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

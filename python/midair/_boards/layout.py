@@ -1,7 +1,5 @@
 """Array data from files for `midair.Array`, and copies with changed parts."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

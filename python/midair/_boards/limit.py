@@ -1,7 +1,5 @@
 """Checks of drives before they are sent: loudness at given places, real numbers, arrays, rates, jumps."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterator, Mapping

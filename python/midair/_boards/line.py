@@ -1,7 +1,5 @@
 """Base class of serial lines. A board never answers, so this program computes when the line is free."""
 
-from __future__ import annotations
-
 import threading
 import time
 from abc import abstractmethod

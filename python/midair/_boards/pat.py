@@ -5,8 +5,6 @@ positions "(x, y, z)," in m; the pin of each transducer; phase corrections in de
 0 for a dead transducer. Lists end with a comma.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from os import PathLike

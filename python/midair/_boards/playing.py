@@ -1,7 +1,5 @@
 """Plays one drive for some time: `Solution.play` and `midair play`."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Serial ports, by pyserial."""
 
-from __future__ import annotations
-
 import errno
 import time
 from collections.abc import Iterator

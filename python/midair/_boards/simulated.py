@@ -1,7 +1,5 @@
 """Transports without a device: one drops frames, one writes a file, one simulates the speed of a line."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from .autd3_commands import check_count, divider, modulation

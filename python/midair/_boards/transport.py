@@ -3,8 +3,6 @@
 This module imports neither midair itself nor NumPy, so a guard starts within a few hundredths of a second.
 """
 
-from __future__ import annotations
-
 import os
 from contextlib import suppress
 from importlib import import_module

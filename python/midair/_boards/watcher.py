@@ -9,8 +9,6 @@ It cannot help if all three processes are ended. Windows has no fork and so no w
 from /proc; on systems without it, a process that exists counts as running.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import select
@@ -79,12 +77,7 @@ class Stops:
 def _state(process: int) -> str:
     """Return the letter of a process's state from /proc, "" if it cannot be read."""
     with suppress(OSError):
-        return (
-            Path(f"/proc/{process}/stat")
-            .read_text("utf-8", "replace")
-            .rpartition(")")[2]
-            .split()[0]
-        )
+        return Path(f"/proc/{process}/stat").read_text("utf-8", "replace").rpartition(")")[2].split()[0]
     return ""
 
 

@@ -3,8 +3,6 @@
 A message consists of its kind, a number that its answer repeats, the length of its content, and the content.
 """
 
-from __future__ import annotations
-
 import os
 import struct
 from enum import IntEnum

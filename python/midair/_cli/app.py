@@ -1,7 +1,5 @@
 """The program `midair`: its commands and its exit status."""
 
-from __future__ import annotations
-
 import logging
 import sys
 import warnings

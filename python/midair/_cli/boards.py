@@ -1,7 +1,5 @@
 """`midair boards`: lists the kinds of boards, or describes one of them."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 from typing import Any
 

@@ -1,7 +1,5 @@
 """`midair calibrate` (from a file of readings) and `midair doctor` (with a microphone)."""
 
-from __future__ import annotations
-
 import io
 from contextlib import ExitStack
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`midair compare`: one scene solved by several solvers, as a table and a page of pictures."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

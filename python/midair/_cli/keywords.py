@@ -1,7 +1,5 @@
 """Keywords of commands: those that several commands have, and those of a function of the library."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import wraps
 from inspect import Parameter as Argument, signature, unwrap

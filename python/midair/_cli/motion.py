@@ -1,7 +1,5 @@
 """`midair motion`: solves moving points frame by frame; writes a table, a file, a picture, an animation."""
 
-from __future__ import annotations
-
 import json as json_text
 from pathlib import Path
 

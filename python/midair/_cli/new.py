@@ -1,7 +1,5 @@
 """`midair new` writes a commented scene file to start with; `midair export` converts files of drives."""
 
-from __future__ import annotations
-
 import os
 import shlex
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`midair play`: plays a drive, a scene or a sequence on a board, for some time or until Ctrl-C."""
 
-from __future__ import annotations
-
 import math
 import re
 import time

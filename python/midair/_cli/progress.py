@@ -1,7 +1,5 @@
 """Progress bars and messages on standard error, and exit statuses."""
 
-from __future__ import annotations
-
 import os
 import sys
 import time

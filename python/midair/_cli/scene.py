@@ -1,7 +1,5 @@
 """The scene of a command: from a file, from standard input, or from a preset and points."""
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Iterable, Sequence

@@ -1,7 +1,5 @@
 """`midair serve` plays points that other programs send."""
 
-from __future__ import annotations
-
 import sys
 
 from .. import Connection, connect

@@ -1,7 +1,5 @@
 """`midair solve`: solves a scene; prints metrics, writes the drive, draws the field."""
 
-from __future__ import annotations
-
 import json as json_text
 from inspect import signature
 from pathlib import Path

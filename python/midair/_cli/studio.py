@@ -1,7 +1,5 @@
 """`midair studio` serves the studio's web page."""
 
-from __future__ import annotations
-
 import threading
 import webbrowser
 from contextlib import ExitStack

@@ -1,7 +1,5 @@
 """`midair tolerate` (effects of faults of array and air) and `midair exposure` (levels at ears and eyes)."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

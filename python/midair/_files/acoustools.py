@@ -15,8 +15,6 @@ amplitudes.
 are in AcousTools' own order. The error of a phase is at most pi/32, of an amplitude 1/64.
 """
 
-from __future__ import annotations
-
 import zlib
 from os import PathLike
 from pathlib import Path

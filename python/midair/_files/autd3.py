@@ -5,8 +5,6 @@ of transducer 0. The rotation is a unit quaternion. A board has 249 transducers 
 and radiates along its +z.
 """
 
-from __future__ import annotations
-
 import json
 from os import PathLike
 from typing import Any

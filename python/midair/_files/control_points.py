@@ -4,8 +4,6 @@ A row is t,x,y,z,intensity (s, m, 0 to 1) and, for modulated points, frequency i
 the points of one frame. z is the distance from the array. Intensities are targets relative to the largest.
 """
 
-from __future__ import annotations
-
 import csv
 from dataclasses import dataclass
 from os import PathLike

@@ -4,8 +4,6 @@ Each System/Transducers/Transducer has Index, Xmm, Ymm, Zmm, and ABX, which is "
 Normals are +z. HandyBeam's directivity is cos(theta)^3.376.
 """
 
-from __future__ import annotations
-
 from os import PathLike
 
 import numpy as np

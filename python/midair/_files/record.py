@@ -1,7 +1,5 @@
 """Files of solutions, and `.npz` of drives alone, `drive` (N,) or `drives` (T, N). No file is executed."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os

@@ -12,8 +12,6 @@ other. There is no header. A row is a frame, a column a transducer, in the order
 finds the file of amplitudes by replacing 0_Phase with 0_Amp in the name of the file of phases.
 """
 
-from __future__ import annotations
-
 from contextlib import ExitStack
 from os import PathLike
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`midair.write`: drives, sequences and control points as files of other programs, by ending and layout."""
 
-from __future__ import annotations
-
 from os import PathLike
 from pathlib import Path as File
 from typing import Any

@@ -1,7 +1,5 @@
 """XML as a tree (expat), with limits on depth and number of elements; document types are rejected."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from os import PathLike
 from typing import Any

@@ -1,7 +1,5 @@
 """`midair.fly`: simulates beads in the traps of a sequence, and finds which beads are lost, and when."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

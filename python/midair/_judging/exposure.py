@@ -1,7 +1,5 @@
 """`midair.exposure`: sound pressure levels at named places, beside a limit and its source."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product

@@ -1,7 +1,5 @@
 """Measurements as checked arrays. Errors state name, value and cure."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

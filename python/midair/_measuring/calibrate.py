@@ -1,7 +1,5 @@
 """`midair.calibrate`: responses of an array from readings of microphones."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -5,8 +5,6 @@ responses, sound speed and the microphones' places, and pairs of channels are ex
 readings better. These two steps alternate until no pair is left.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations

@@ -1,7 +1,5 @@
 """`midair.doctor`: decides by limits which transducers are dead, weak or reversed, and reports it."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """Fit of responses, sound speed and places to readings: Levenberg-Marquardt with falling noise."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -6,8 +6,6 @@ a linear microphone does not demodulate. For a detector with an envelope output,
 your own.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path

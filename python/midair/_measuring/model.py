@@ -1,7 +1,5 @@
 """Model of the readings by the core's propagation, and the prior probabilities of the fit."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

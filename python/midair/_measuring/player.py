@@ -1,7 +1,5 @@
 """Plays drives through the user's reader and keeps the best one; also the report of a board's faults."""
 
-from __future__ import annotations
-
 import platform
 from collections.abc import Callable
 from dataclasses import asdict, dataclass

@@ -1,7 +1,5 @@
 """`midair.tune`: optimises a drive by readings instead of a model."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable
 from functools import partial

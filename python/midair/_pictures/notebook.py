@@ -1,7 +1,5 @@
 """Display in notebooks (HTML): arrays, scenes, solutions, fields, sequences and the list of solvers."""
 
-from __future__ import annotations
-
 import base64
 import math
 from collections.abc import Iterable, Sequence

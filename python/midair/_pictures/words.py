@@ -1,7 +1,5 @@
 """Texts of pictures: solver, targets, level and plane."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

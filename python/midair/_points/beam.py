@@ -1,7 +1,5 @@
 """Beams: drives by the focusing law of a plane wave or of a Bessel beam."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

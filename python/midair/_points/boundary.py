@@ -3,8 +3,6 @@
 Ctrl-C takes effect during the solve. A file's name is a hash of everything that its content depends on.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import re

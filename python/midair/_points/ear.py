@@ -1,7 +1,5 @@
 """Ears: a small box of quiet points, and the sound pressure level in it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Pictures as points: a grid of pixels, each with a target proportional to its brightness."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from io import BytesIO
 from os import PathLike

@@ -1,7 +1,5 @@
 """Reproduces the figures of Suzuki et al. 2021: pictures, tables, and verdicts on the paper's statements."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext

@@ -1,7 +1,5 @@
 """Fig. 2: a smiley of 38 points with |p| = 1 each, over 36 x 36 transducers."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.figure import Figure
 

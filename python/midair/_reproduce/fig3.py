@@ -1,7 +1,5 @@
 """Figs. 3 and 4: mean accuracy and deviation sigma over the number of points, in random scenes."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray

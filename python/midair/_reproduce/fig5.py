@@ -3,8 +3,6 @@
 Times of all threads are added. The methods take turns.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Mapping, Sequence

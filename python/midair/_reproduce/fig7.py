@@ -1,7 +1,5 @@
 """Fig. 7: a focus over 36 x 36 transducers: weak and strong, random and fixed order, and balanced."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

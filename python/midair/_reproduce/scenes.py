@@ -1,7 +1,5 @@
 """The paper's scenes and methods. Pressures are in the paper's unit: eq. (5) with lengths in millimetres."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Tables of the numbers behind the figures, as lists of rows and CSV files; the run that computes them."""
 
-from __future__ import annotations
-
 import csv
 import math
 from collections import defaultdict

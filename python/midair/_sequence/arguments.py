@@ -1,7 +1,5 @@
 """Arguments of a sequence: each function converts one to arrays and numbers, or rejects it."""
 
-from __future__ import annotations
-
 from typing import Any, get_args
 
 import numpy as np

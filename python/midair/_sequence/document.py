@@ -1,7 +1,5 @@
 """Scene files with moving points: the table [motion] with its paths, beside array, medium and solver."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any

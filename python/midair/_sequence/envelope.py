@@ -4,8 +4,6 @@ A transducer is a first-order system: its radiation y follows its drive q by y' 
 constant is tau = sqrt(3)/(pi B), where B is the two-sided bandwidth at -6 dB.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal

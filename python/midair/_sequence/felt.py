@@ -1,7 +1,5 @@
 """Radiation pressure or force at a place over time, its spectrum and rms, and tactile thresholds."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, log10, pi, sqrt

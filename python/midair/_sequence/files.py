@@ -1,7 +1,5 @@
 """Files of a sequence (.npz): written completely or not at all, and read without executing anything."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

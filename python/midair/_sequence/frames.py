@@ -1,7 +1,5 @@
 """Base class of `midair.Sequence`: points, targets, drives, air and settings of frames."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import partial
 from typing import Any, Self

@@ -1,7 +1,5 @@
 """Evaluation of frames: pressures at rest and between frames, phase changes, metrics, radiation pressure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """`midair.multiplex`: drives that play in turn, whose mean radiation pressure is the target."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

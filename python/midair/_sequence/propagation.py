@@ -1,7 +1,5 @@
 """Propagation to moving points: rows of G, |p| of each frame's drive at its points and between frames."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

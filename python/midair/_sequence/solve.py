@@ -1,7 +1,5 @@
 """`midair.sequence` and `midair.stream`: solve frames one after another within a bound of phase change."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager

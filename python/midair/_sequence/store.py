@@ -1,7 +1,5 @@
 """Stores the pieces of an unfinished sequence in a folder beside its file, so that a solve can be resumed."""
 
-from __future__ import annotations
-
 import json
 import re
 import zipfile

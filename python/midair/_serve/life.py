@@ -4,8 +4,6 @@ A *source* is a client that sends points, or a program that tracks a hand. The *
 points play. This module has neither threads nor a clock: every call states its time in s.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Hashable
 

@@ -1,7 +1,5 @@
 """Plays the points that other programs send, and keeps the board off while no program sends any."""
 
-from __future__ import annotations
-
 import math
 import threading
 import time

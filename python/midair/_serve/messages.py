@@ -1,7 +1,5 @@
 """Messages of clients, as docs/serve.md lists them: each is checked, executed on a `Live` and answered."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 from collections.abc import Callable, Hashable

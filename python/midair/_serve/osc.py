@@ -1,7 +1,5 @@
 """OSC datagrams: sizes and nesting of bundles are checked here, before the OSC library reads a message."""
 
-from __future__ import annotations
-
 import struct
 import time
 from typing import Any

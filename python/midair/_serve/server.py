@@ -7,8 +7,6 @@ One thread has both ports. It only reads and writes, so each message is a sign o
 arrives. A second thread executes the messages, because some of them wait for the board.
 """
 
-from __future__ import annotations
-
 import asyncio
 import hmac
 import logging

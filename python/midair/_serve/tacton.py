@@ -4,8 +4,6 @@ A pattern is JSON whose "$DATA_FORMAT" is "MidAirHapticsAnimationFileFormat", wi
 ms. docs/serve.md describes how it is played.
 """
 
-from __future__ import annotations
-
 import math
 import operator
 import random

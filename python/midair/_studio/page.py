@@ -1,7 +1,5 @@
 """Scenes for the studio page: the files of the page, and the keys of a scene that it has."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from pathlib import Path

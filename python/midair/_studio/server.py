@@ -1,7 +1,5 @@
 """Web server for the studio page and for a board that it plays; only browsers on this machine have access."""
 
-from __future__ import annotations
-
 import json
 import re
 import sys

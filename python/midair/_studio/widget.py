@@ -1,7 +1,5 @@
 """Notebook widget of the studio page, and the values that it exchanges with Python."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import anywidget

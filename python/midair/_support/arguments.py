@@ -1,7 +1,5 @@
 """Checks of arguments; errors state name, value and cure."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """Cache files: arrays that can be computed again, each with a hash; one run at a time uses a folder."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import os

@@ -1,7 +1,5 @@
 """Ctrl-C and SIGTERM: work stops between two steps, calls of libraries are abandoned."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

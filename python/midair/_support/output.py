@@ -1,7 +1,5 @@
 """Result files: drives as .npz, .csv and .json. Every file is written completely or not at all."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

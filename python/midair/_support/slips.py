@@ -4,8 +4,6 @@
 Signatures and docstrings do not change.
 """
 
-from __future__ import annotations
-
 import functools
 import inspect
 import sys

@@ -1,7 +1,5 @@
 """Tables of numbers in files: the core reads text, JSON and .npy; .npz and .mat are converted for it."""
 
-from __future__ import annotations
-
 import io
 from os import PathLike
 from pathlib import Path

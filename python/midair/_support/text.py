@@ -3,8 +3,6 @@
 Errors state file, line, value and cure.
 """
 
-from __future__ import annotations
-
 import io
 import tomllib
 import zipfile

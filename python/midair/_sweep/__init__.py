@@ -1,7 +1,5 @@
 """Sweeps: arrays x points x solvers x options x seeds as one table, computed on one machine or a cluster."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, nullcontext
 from os import PathLike

@@ -1,7 +1,5 @@
 """Axes of a sweep: lists of values for a key of the request, such as medium.temperature. Each is a column."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Solves one block of a sweep: problems with the same array, number of points, solver and options."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from functools import lru_cache

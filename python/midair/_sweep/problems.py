@@ -1,7 +1,5 @@
 """Expands arrays, medium, points and scenes of a sweep along all axes: settings and columns of each block."""
 
-from __future__ import annotations
-
 import json
 import math
 import warnings

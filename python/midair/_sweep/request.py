@@ -1,7 +1,5 @@
 """The sweep file: reads and checks it before any solve; returns blocks of problems in the table's order."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections import Counter

@@ -1,7 +1,5 @@
 """Output of a sweep, checked before any work: the table as CSV or Parquet, the drives as Zarr."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os

@@ -1,7 +1,5 @@
 """Paths through frames of points, and the frames of a path."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 

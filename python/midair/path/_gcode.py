@@ -1,7 +1,5 @@
 """Paths from G-code: straight lines and arcs of a tool, in mm or inches."""
 
-from __future__ import annotations
-
 import re
 from os import PathLike
 

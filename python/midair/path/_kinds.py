@@ -1,7 +1,5 @@
 """The kinds of paths; their arguments are the keys of `[[motion.path]]` in a scene file."""
 
-from __future__ import annotations
-
 import math
 from os import PathLike
 

@@ -1,7 +1,5 @@
 """Paths from L-code, the programs of AcousTools for levitators."""
 
-from __future__ import annotations
-
 from os import PathLike
 from typing import Any
 

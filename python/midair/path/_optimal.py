@@ -13,8 +13,6 @@ limits. On a closed curve the passes repeat until end and start match. V. Paneva
 find such runs by optimal control.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 

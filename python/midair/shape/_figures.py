@@ -1,7 +1,5 @@
 """Lines, circles, polylines and text as points; contours in space, along which the core places points."""
 
-from __future__ import annotations
-
 import unicodedata
 from collections.abc import Iterable
 from typing import Any, TypeAlias

@@ -1,7 +1,5 @@
 """SVG drawings as points: what a browser shows is sampled, then transformed (svgelements reads shapes)."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Iterator
