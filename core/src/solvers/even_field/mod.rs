@@ -211,19 +211,9 @@ fn raise<'w>(
         if ended(run, search) {
             break;
         }
-        let mut louder = [const { Vec::new() }; 2];
-        let parts = if given { &[] } else { plan.louder() };
-        for (drive, &part) in louder.iter_mut().zip(parts) {
-            if !run.stopped {
-                *drive = nearest::nearest_to(run, part)?.drive;
-            }
-        }
-        let [first, second] = &louder;
-        let begun = nearest.as_ref().filter(|_| !plan.wide).map_or(first, |nearest| &nearest.drive);
-        search.race(run, foci, *plan, [begun, second])?;
-        for drive in louder {
-            run.work.complexes.give(drive);
-        }
+        // A wide plan goes on from the best field so far.
+        let begun = nearest.as_ref().filter(|_| !plan.wide).map(|nearest| &nearest.drive[..]);
+        search.race(run, foci, *plan, begun)?;
     }
     let Some(nearest) = nearest else { return Ok(None) };
     // No even field was found, or its level is below the target, which the nearest field meets.

@@ -183,7 +183,12 @@ pub(super) struct Nearest {
 pub(super) fn approach<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -> Result<Nearest, Error> {
     let (problem, rows) = (run.problem, run.rows);
     let factor = problem.balance().max(1.0) as f32;
-    let mut drive = nearest_to(run, 1.0)?.drive;
+    // The level of a disc of points can be raised to a tenth more after a short descent than after a long one.
+    let (steps, tolerance) = if problem.aim() == Aim::Max { (300, 1e-3) } else { (1500, 3e-4) };
+    let task = Task { steps, tolerance, starts: 2, seed: 0, factor, before: run.step };
+    let LeastSquares { mut drive, status, steps } = least_squares(problem, &task, run.work, run.control)?;
+    (run.step, run.steps) = (steps.0, run.steps.max(steps.1));
+    run.stopped |= status == Status::Stopped;
     search.trial.play_at_full(rows, drive.iter().copied());
     let level = search.trial.level(rows);
     let near = search.trial.unevenness(rows, rows.target * factor, run.plan.quiet) <= NEAR;
@@ -197,19 +202,4 @@ pub(super) fn approach<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -
         *q /= factor;
     }
     Ok(Nearest { drive, near })
-}
-
-/// Returns the drive of least error at `part` times the targets, or times the balanced level if the targets are below it.
-///
-/// # Errors
-/// More memory than allowed is needed.
-pub(super) fn nearest_to(run: &mut Run, part: f32) -> Result<LeastSquares, Error> {
-    let factor = part * run.problem.balance().max(1.0) as f32;
-    // The level of a disc of points can be raised to a tenth more after a short descent than after a long one.
-    let (steps, tolerance) = if run.problem.aim() == Aim::Max { (300, 1e-3) } else { (1500, 3e-4) };
-    let task = Task { steps, tolerance, starts: 2, seed: 0, factor, before: run.step };
-    let nearest = least_squares(run.problem, &task, run.work, run.control)?;
-    (run.step, run.steps) = (nearest.steps.0, run.steps.max(nearest.steps.1));
-    run.stopped |= nearest.status == Status::Stopped;
-    Ok(nearest)
 }

@@ -219,8 +219,8 @@ impl<'w> Search<'w> {
         Ok(())
     }
 
-    /// Follows the path of crowded points from the `drives` that are not empty, or from the best field if both are, and from
-    /// the starts of a plan. The loudest fields are followed to the end.
+    /// Follows the path of crowded points from a drive, or from the best field if there is none, and from the starts of a
+    /// plan. The loudest fields are followed to the end.
     ///
     /// # Errors
     /// More memory than allowed is needed.
@@ -229,20 +229,17 @@ impl<'w> Search<'w> {
         run: &mut Run<'_, '_, 'w>,
         foci: &Foci,
         plan: Plan,
-        drives: [&[Complex32]; 2],
+        drive: Option<&[Complex32]>,
     ) -> Result<(), Error> {
         let (rows, work) = (run.rows, run.work);
         let alone = rows.targeted == rows.order.len();
         let mut ahead = Leaders::new();
         run.plan = if alone { plan } else { plan.for_quiet() };
-        if drives.iter().all(|drive| drive.is_empty()) {
-            self.trial.copy(&self.best);
-            self.set_out(run, &mut ahead)?;
+        match drive {
+            Some(drive) => self.trial.play_at_full(rows, drive.iter().copied()),
+            None => self.trial.copy(&self.best),
         }
-        for drive in drives.into_iter().filter(|drive| !drive.is_empty()) {
-            self.trial.play_at_full(rows, drive.iter().copied());
-            self.set_out(run, &mut ahead)?;
-        }
+        self.set_out(run, &mut ahead)?;
         let starts = Starts::new(run.problem, rows, foci, &run.plan, work, run.control);
         let Some(starts) = run.unless_stopped(starts)? else { return self.arrive(run, &ahead) };
         if alone {

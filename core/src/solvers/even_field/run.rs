@@ -69,11 +69,6 @@ impl Plan {
         if self.wide { 3 } else { 2 }
     }
 
-    /// Returns parts of the targets, or of the balanced level. Crowded points start from the fields nearest to them, too.
-    pub(super) fn louder(&self) -> &'static [f32] {
-        if self.wide { &[1.2, 1.6] } else { &[] }
-    }
-
     /// Returns the cones from which crowded points start. A wide plan follows one that is not wide.
     pub(super) fn cones(&self) -> &'static [usize] {
         if self.wide { &[0, 1, 3, 4, 5] } else { &[2] }
