@@ -19,8 +19,8 @@ BOARD = midair.Array.grid(8, 8, 10e-3, quantization=midair.Array.preset("sonicsu
 ANGLE = np.arange(80)[:, None] / 40
 RING = np.stack([0.01 * np.cos(ANGLE), 0.01 * np.sin(ANGLE), np.full(ANGLE.shape, 0.12)], axis=-1)
 
-#: A process that solves a sequence with `resume`, and sleeps after each block of frames; `most` limits the
-#: size of its files.
+#: A process that solves a sequence with `resume`, and after each block of frames waits as long as a file exists;
+#: `most` limits the size of its files.
 SCRIPT = """
 import sys, time
 from pathlib import Path
@@ -31,8 +31,11 @@ if {most}:
     import resource, signal
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, ({most}, resource.RLIM_INFINITY))
+def wait(*_):
+    while Path({path!r}).with_suffix(".wait").exists():
+        time.sleep(0.01)
 try:
-    test_cache.solved(Path({path!r}), progress=lambda *_: time.sleep({slow}))
+    test_cache.solved(Path({path!r}), progress=wait)
 except test_cache.midair.SceneError as error:
     sys.exit(str(error))
 """
@@ -122,11 +125,9 @@ def test_a_folder_that_is_a_link_is_refused(tmp_path: Path) -> None:
     assert not list((tmp_path / "other").iterdir())
 
 
-def start(path: Path, slow: float, most: int = 0) -> "subprocess.Popen[str]":
-    """Starts a process of SCRIPT that sleeps `slow` seconds after each block of frames.
-    Its files may have at most `most` bytes; 0 stands for no limit.
-    """
-    script = SCRIPT.format(tests=str(Path(__file__).parent), path=str(path), slow=slow, most=most)
+def start(path: Path, most: int = 0) -> "subprocess.Popen[str]":
+    """Starts a process of SCRIPT. Its files may have at most `most` bytes; 0 stands for no limit."""
+    script = SCRIPT.format(tests=str(Path(__file__).parent), path=str(path), most=most)
     return subprocess.Popen(
         [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8"
     )
@@ -135,12 +136,15 @@ def start(path: Path, slow: float, most: int = 0) -> "subprocess.Popen[str]":
 @pytest.mark.slow
 def test_a_second_run_on_one_folder_gets_one_line(tmp_path: Path, whole: midair.Sequence) -> None:
     path = tmp_path / "x.npz"
-    first = start(path, 0.5)
+    hold = path.with_suffix(".wait")
+    hold.touch()
+    first = start(path)
     while not pieces(path):
         assert first.poll() is None
         time.sleep(0.02)
-    second = start(path, 0)
+    second = start(path)
     reported = second.communicate(timeout=60)[1]
+    hold.unlink()
     assert second.returncode == 1
     assert reported.count("\n") == 1
     assert "is in use by another run of the same work: wait until that ends" in reported
@@ -153,11 +157,14 @@ def test_a_second_run_on_one_folder_gets_one_line(tmp_path: Path, whole: midair.
 @pytest.mark.slow
 def test_a_killed_run_frees_its_folder(tmp_path: Path, whole: midair.Sequence) -> None:
     path = tmp_path / "x.npz"
-    first = start(path, 5)
+    hold = path.with_suffix(".wait")
+    hold.touch()
+    first = start(path)
     while not pieces(path):
         time.sleep(0.02)
     first.kill()
     first.communicate()
+    hold.unlink()
     assert solved(path) == whole
     assert [file.name for file in tmp_path.iterdir()] == ["x.npz"]
 
@@ -181,7 +188,7 @@ def test_a_lock_is_free_again_and_leaves_nothing(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="POSIX")
 def test_a_full_disk_is_reported_in_one_line(tmp_path: Path) -> None:
-    run = start(tmp_path / "x.npz", 0, most=1500)
+    run = start(tmp_path / "x.npz", most=1500)
     reported = run.communicate(timeout=60)[1]
     assert run.returncode == 1
     assert reported.count("\n") == 1

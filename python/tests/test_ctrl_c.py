@@ -50,6 +50,7 @@ for moment in MOMENTS:
     try:
         while time.process_time() - begin < moment:
             call()
+        signal.setitimer(signal.ITIMER_PROF, 0)
     except KeyboardInterrupt:
         pass
     print(time.process_time() - begin - moment, flush=True)
