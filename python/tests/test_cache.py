@@ -19,7 +19,7 @@ BOARD = midair.Array.grid(8, 8, 10e-3, quantization=midair.Array.preset("sonicsu
 ANGLE = np.arange(80)[:, None] / 40
 RING = np.stack([0.01 * np.cos(ANGLE), 0.01 * np.sin(ANGLE), np.full(ANGLE.shape, 0.12)], axis=-1)
 
-#: A process that solves a sequence with `resume`, and after each block of frames waits as long as a file exists;
+#: A process that solves a sequence with `resume`, and waits after each block of frames while a file exists;
 #: `most` limits the size of its files.
 SCRIPT = """
 import sys, time
