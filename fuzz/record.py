@@ -1,4 +1,4 @@
-"""Writes the tables of docs/reliability.md: one row for each run of a test."""
+"""Writes the tables of docs/reliability.md: one row for each run of a test with its newest code."""
 
 import datetime
 import re
@@ -43,8 +43,9 @@ def rows(name: str) -> list[Row]:
 
 
 def append(name: str, row: Row) -> None:
-    """Appends a row to a table of the page."""
-    put(PAGE, name, table(cells(parts(PAGE, name)[1].splitlines()[0]), [*rows(name), row]))
+    """Appends a row to a table of the page. It replaces the rows of the same test with other code."""
+    kept = [old for old in rows(name) if old[0] != row[0] or old[1] == row[1]]
+    put(PAGE, name, table(cells(parts(PAGE, name)[1].splitlines()[0]), [*kept, row]))
 
 
 def first(ends: Sequence[str], text: str, otherwise: str) -> str:
