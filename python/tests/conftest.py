@@ -55,13 +55,14 @@ def book(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], ModuleType]:
 
 @pytest.fixture
 def kept(request: pytest.FixtureRequest, tmp_path: Path) -> Callable[..., None]:
-    """Returns a function that compares a test's error messages with refusals/ (MIDAIR_REFUSALS=write stores
-    them).
+    """Returns a function that compares a test's errors with refusals/ (MIDAIR_REFUSALS=write stores them).
+    Of an exception, its code is compared, too.
     """
     file = REFUSALS / f"{request.path.stem}.json"
     every = json.loads(file.read_text("utf-8")) if file.exists() else {}
 
-    def check(*texts: str) -> None:
+    def check(*errors: str | Exception) -> None:
+        texts = [f"[{error.code}] {error}" if hasattr(error, "code") else str(error) for error in errors]
         assert all(len(text.splitlines()) == 1 for text in texts), texts
         lines = [text.strip().replace(f"{tmp_path}{os.sep}", "TMP/") for text in texts]
         if os.environ.get("MIDAIR_REFUSALS") == "write":

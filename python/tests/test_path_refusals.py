@@ -108,4 +108,4 @@ REFUSED: dict[str, Callable[[], Any]] = {
 def test_what_cannot_be_walked_is_refused_in_one_line(what: str, kept: Callable[..., None]) -> None:
     with pytest.raises(midair.SceneError) as error:
         REFUSED[what]()
-    kept(str(error.value))
+    kept(error.value)

@@ -1,6 +1,6 @@
 """Invalid arguments: the message has one line and names the argument and its value."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -39,6 +39,19 @@ NO_NUMBER: Mapping[str, Any] = {
 NOT_FINITE = {"NaN": NAN, "infinite": INF, "minus infinite": -INF}
 
 
+#: Code and item of each error of a test.
+HEARD: list[str] = []
+
+
+@pytest.fixture(autouse=True)
+def codes(kept: Callable[..., None]) -> Iterator[None]:
+    """Compares the codes of a test's errors with refusals/: programs rely on them."""
+    HEARD.clear()
+    yield
+    if HEARD:
+        kept(*dict.fromkeys(HEARD))
+
+
 def refused(call: Callable[[], object], *words: str) -> str:
     """Checks that `call` raises SceneError with a message of one line with these words,
     and returns the message.
@@ -49,6 +62,7 @@ def refused(call: Callable[[], object], *words: str) -> str:
     assert len(text.splitlines()) == 1, repr(text)
     for word in words:
         assert word in text
+    HEARD.append(f"{caught.value.code} {caught.value.item}")
     return text
 
 
@@ -131,6 +145,33 @@ def test_bool_among_numbers_is_no_number(mixed: list) -> None:
 
 def test_weights_that_leave_nothing_requested_are_refused() -> None:
     refused(lambda: scene(points=TWO, pressures=[0, 1], weights=[1, 0]), "pressures", "all 0")
+    refused(lambda: scene(points=TWO, weights=0), "weights", "all 0")
+
+
+WALL, BALL = midair.Wall([0, 0, 0.15], [0, 0, -1]), midair.Sphere([0, 0, 0.2], 0.01)
+#: Scenes that physics forbids, or that are probably mistakes, by code and item.
+OUT_OF_PLACE: dict[str, dict[str, Any]] = {
+    "blocked points[0].position": {"points": [[0, 0, 0.2]], "obstacles": [WALL]},
+    "crosses-array obstacles[0]": {"obstacles": [midair.Wall([0.01, 0, 0], [1, 0, 0])]},
+    "crosses-array obstacles[1]": {"obstacles": [WALL, midair.Wall([0.01, 0, 0], [1, 0, 0])]},
+    "sphere-among obstacles[1]": {"obstacles": [WALL, BALL]},
+    "sphere-size obstacles[0].radius": {"obstacles": [midair.Sphere([0, 0, 1.2], 0.9)]},
+    "behind points[0].position": {"points": [[0, 0, -0.1]]},
+    "in-plane points[0].position": {"points": [[0.1, 0, 0]]},
+    "contrary points[0].pressure": {"points": [[0, 0, 0.1], [0, 0, 0.1001]], "pressures": [1, 100]},
+    "too-near points[0].position": {"points": [[0.005, 0.005, 1e-3]]},
+    "too-far points[0].position": {"points": [[0, 0, 6]]},
+    "too-far points[1].position": {"points": [[0, 0, 0.1], [0, 0, 1e3]]},
+    "doubtful medium.frequency": {"frequency": 40},
+}
+
+
+@pytest.mark.filterwarnings("error::midair.SceneWarning")
+@pytest.mark.parametrize("code", OUT_OF_PLACE)
+def test_what_is_out_of_place_has_its_code(code: str) -> None:
+    with pytest.raises((midair.SceneError, midair.SceneWarning)) as caught:
+        scene(**OUT_OF_PLACE[code])
+    assert f"{caught.value.code} {caught.value.item}" == code
 
 
 def test_pressure_outside_every_unit_is_refused() -> None:
