@@ -3,6 +3,7 @@
 import json
 import time
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 import midair
 from microphones import Complex, Real
 from midair._cli import main
+from midair._measuring.doctor import _named
 
 Named = list[tuple[str, tuple[int, ...]]]
 
@@ -130,6 +132,49 @@ def test_a_report_is_of_what_a_board_plays_and_is_written_whole(tmp_path: Path) 
     assert len(record["response"]) == 16
     report.write(tmp_path / "report.txt")
     assert (tmp_path / "report.txt").read_text("utf-8").startswith(report.table)
+
+
+#: Values to both sides of a limit that docs/measuring.md states or that the source explains: the fault of the
+#: second value, which no diagnosis of the first value has.
+LIMITS: dict[str, tuple[str, Any, Any]] = {
+    "gain": ("weak", 0.76, 0.74),
+    "no gain": ("dead", 0.16, 0.14),
+    "unsure gain": ("weak", (0.66, 0.1), (0.54, 0.1)),
+    "phase": ("phase", np.exp(np.radians(49) * 1j), np.exp(np.radians(-51) * 1j)),
+    "turn": ("reversed", np.exp(np.radians(129) * 1j), np.exp(np.radians(131) * 1j)),
+    "delay": ("delay", np.exp(np.radians(19) * 1j), np.exp(np.radians(-21) * 1j)),
+    "level": ("level", 1.09, 1.12),
+    "speed": ("sound speed", 1.4, -1.6),
+    "unsure speed": ("sound speed", (3.9, 1.0), (4.1, 1.0)),
+    "board": ("board dead", 8, 10),
+    "misfit": ("unexplained", 0.34, 0.36),
+}
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_the_limits_are_those_of_the_documentation(name: str) -> None:
+    kind, *values = LIMITS[name]
+    boards, scene = np.arange(20) // 10, midair.Scene(midair.Array.grid(5, 4, 10e-3), [[0, 0, 0.1]])
+
+    def kinds(value: Any) -> set[str]:
+        value, error = value if isinstance(value, tuple) else (value, 0.0)
+        relative, middle = np.ones(20, complex), np.ones(2, complex)
+        relative[3] = value if name in ("gain", "no gain", "unsure gain", "phase", "turn") else 1
+        middle[1] = value if name in ("delay", "level") else 1
+        calibration = SimpleNamespace(
+            microphones=scene.points, microphones_error=np.zeros((1, 3)), outlying=(),
+            dead=list(range(10, 10 + value)) if name == "board" else [],
+            sound_speed=scene.sound_speed + (value if kind == "sound speed" else 0), sound_speed_error=error,
+        )  # fmt: skip
+        found: Any = SimpleNamespace(
+            relative=relative, middle=middle, error=np.full(20, error), spread=0.0, cycles=(), base="",
+            wave_number=733.0, calibration=calibration, unexplained=value if name == "misfit" else 0.0,
+        )  # fmt: skip
+        return {fault.kind for fault in _named(found, boards, np.ones(20, bool), scene, True)[0]}
+
+    below, above = (kinds(value) for value in values)
+    assert kind not in below
+    assert kind in above
 
 
 def test_what_cannot_be_is_refused_by_a_line(tmp_path: Path) -> None:
