@@ -184,6 +184,18 @@ def test_a_motion_that_begins_faster_than_its_trap_can_catch_is_reported() -> No
         line(4.0)
 
 
+def test_a_motion_that_ends_faster_than_its_trap_can_catch_is_reported() -> None:
+    boards, times = midair.Array.preset("openmpd_pair", quantization={}), np.arange(0, 0.0101, 1e-3)
+    path = midair.path.from_array((200 * times**2)[:, None, None] * [1, 0, 0], rate=1e3)
+    with (
+        pytest.warns(midair.SceneWarning, match="m/s needs .* rad a frame"),
+        pytest.warns(
+            midair.SceneWarning, match=r"point 1 ends at 3\.8 m/s in frame 10, faster than its trap"
+        ),
+    ):
+        midair.sequence(boards, path, rate=1e3, signature="trap")
+
+
 @pytest.mark.parametrize(("radius", "density"), [(0.1e-3, 29.0), (0.2e-3, 29.0), (1e-3, 2.0), (0.5e-3, 5.0)])
 def test_a_light_bead_rests_in_a_weak_trap(radius: float, density: float) -> None:
     # The drag of such a bead takes more of its velocity in a millisecond than a bead of polystyrene loses.

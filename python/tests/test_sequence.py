@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 import json
+import pickle
 import subprocess
 import sys
 import warnings
@@ -136,6 +138,31 @@ def test_a_file_goes_on_where_it_was_to_the_same_bits(board, ring, tmp_path, mon
     assert other == midair.sequence(free, frames[:20], rate=RATE)
     (tmp_path / "free.npz").unlink()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["motion.npz"]
+
+
+def test_files_that_go_on_and_copies_keep_the_time_constant(ring, tmp_path, monkeypatch):
+    monkeypatch.setattr("midair._sequence.solve.BLOCK", 8)
+    array, file, frames = midair.Array.grid(8, 8, 10e-3), tmp_path / "motion.npz", ring.frames(RATE)[0][:16]
+    slow = {"rate": RATE, "change": np.pi / 16, "tau": 2e-4}
+    whole = midair.sequence(array, frames, **slow)
+    assert not np.array_equal(whole.drives, midair.sequence(array, frames, **slow | {"tau": 0}).drives)
+
+    def stop(done: int, total: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        midair.sequence(array, frames, **slow, resume=file, progress=stop)
+    with pytest.raises(midair.SceneError, match="belongs to another request"):
+        midair.sequence(array, frames, **slow | {"tau": 1e-4}, resume=file)
+    assert midair.sequence(array, frames, **slow, resume=file) == whole
+    solver = midair.Solver(array, "glide", **slow)
+    solver.follow(frames[:8])
+    last = solver.last()
+    rest = solver.follow(frames[8:])
+    for one in (copy.copy(solver), pickle.loads(pickle.dumps(solver))):
+        assert one.options == solver.options
+        one.restore(*last)
+        assert np.array_equal(one.follow(frames[8:]), rest)
 
 
 def test_a_stream_yields_a_drive_a_frame(board, ring):
