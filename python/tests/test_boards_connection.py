@@ -305,6 +305,20 @@ def test_a_limit_in_the_air_that_is_there():
         null.send(drive)
 
 
+def test_each_place_has_its_own_limit():
+    array = midair.Array.preset("sonicsurface")
+    drive = midair.solve(midair.Scene(array, [[0, 0, 0.15]])).drive
+    places = [[0, 0, 0.15], [0, 0.1, 0.15]]
+    loud, soft = abs(midair.field(midair.Scene(array, places), drive, places).pressure)
+    for order in (slice(None), slice(None, None, -1)):
+        limit = {"positions": places[order], "pressure": [1.1 * loud, 0.9 * soft][order]}
+        with (
+            midair.connect("sonicsurface:null", limit=limit) as null,
+            pytest.raises(midair.BoardError, match=r"limit at \(0, 0\.1, 0\.15\) m"),
+        ):
+            null.send(drive)
+
+
 def test_a_file_begins_and_ends_off(tmp_path):
     path = tmp_path / "frames.bin"
     board = midair.Board("sonicsurface")

@@ -81,6 +81,9 @@ def test_a_mega64_emits_its_own_frequency_and_late_ports() -> None:
     # The ports A and J switch 30 cycles, 27 degrees, apart.
     assert np.ptp(np.unwrap(np.angle(board.array.response))) == pytest.approx(30 / PERIOD * 2 * np.pi)
     assert board.limits["steady_frames_per_second"] == 10
+    # Bytes for the boards behind it stop a board's pins, too.
+    three = midair.Board("mega64", midair.Array.grid(16, 12, 10e-3))
+    assert three.limits["steady_frames_per_second"] == pytest.approx(10 / 3)
 
 
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")

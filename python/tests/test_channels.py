@@ -82,6 +82,14 @@ def test_channels_survive_files_pickles_and_changes(tmp_path: Path) -> None:
         assert board.encode(solution) == pickle.loads(pickle.dumps(board)).encode(solution)
 
 
+def test_a_channel_plays_as_long_as_one_of_its_transducers_is_on() -> None:
+    array = midair.Array.grid(4, 2, 10e-3, channels=[0] * 4 + [1] * 4, mask=[True] + [False] * 7)
+    board = midair.Board("nano", array)
+    played = board.decode(board.encode(np.ones(8)))
+    assert abs(played[0]) == pytest.approx(1)
+    assert not played[4:].any()
+
+
 def test_an_own_method_gets_a_column_a_channel() -> None:
     scene = midair.Scene(midair.Array.grid(4, 2, 10e-3, channels=[0, 0, 0, 0, 1, 1, 1, 1]), [[0, 0.02, 0.1]])
 
