@@ -1,4 +1,5 @@
 import { expect, test } from "vitest";
+import keys from "../../python/midair/_studio/keys.json";
 import { initial } from "../src/state/initial.ts";
 import { sceneOf, stateOf } from "../src/state/scene_file.ts";
 import type { SceneFile } from "../src/state/scene_file.ts";
@@ -59,6 +60,30 @@ test("a grid, a sound speed and no plane", () => {
   });
   expect(state.plane).toEqual({ axis: "z", z: 0.15, size: 0.18, center: [0.02, 0.01] });
   expect(state.methods).toEqual(initial.methods);
+});
+
+/** A scene with every key that the page has, none at its default. */
+const WHOLE: SceneFile = {
+  medium: { temperature: 18, absorption: 0.2, density: 1.1 },
+  array: { positions: [[0, 0, 0], [0.01, 0, 0]], normals: [[0, 0, 1], [0, 1, 0]], source_pressure: 2, mask: [true, false], pins: [1, 0] },
+  points: [{ position: [0, 0, 0.1], pressure: 200 }, { position: [0.02, 0, 0.1], pressure: 0 }],
+  obstacles: [
+    { point: [0, 0, 0.3], normal: [0, 0, -1], kind: "soft" },
+    { center: [0, 0, 0.2], radius: 0.01, kind: "rigid" },
+  ],
+  signature: ["twin", "focus"],
+  bead: { radius: 1.2e-3, density: 900, sound_speed: 2000, gravity: [0, 9.81, 0] },
+  solver: { name: "greedy", seed: 3, order: "random" },
+  plane: { axis: "x", at: 0.01, size: 0.1, center: [0.02, 0.03], pixels: 400 },
+};
+
+test("no key of a scene that is opened is lost", () => {
+  expect(sceneOf(stateOf(WHOLE, initial), initial.slot)).toEqual(WHOLE);
+  // Keys of which the page has one value only, or that it writes as others.
+  const fixed = new Set(["frequency", "sound_speed", "phase", "weight", "version", "status"]);
+  const named = (known: unknown): string[] => (known === Object(known) ? Object.entries(known as object).flatMap(([key, each]) => [key, ...named(each)]) : []);
+  const written = new Set(named(WHOLE));
+  expect(named(keys).filter((key) => Number.isNaN(Number(key)) && !fixed.has(key) && !written.has(key))).toEqual([]);
 });
 
 const GOOD = sceneOf(initial, 0);
