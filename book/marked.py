@@ -1,7 +1,6 @@
 """Tables of the pages: as Markdown, and between their markers, <!-- NAME:begin --> and <!-- NAME:end -->."""
 
 import os
-import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -19,11 +18,6 @@ def rule(columns: int) -> str:
 def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """Returns a Markdown table."""
     return row(*head) + rule(len(head)) + "".join(row(*cells) for cells in rows)
-
-
-def cells(line: str) -> list[str]:
-    """Returns the cells of a row that `row` wrote."""
-    return [cell.strip().replace(r"\|", "|") for cell in re.split(r"(?<!\\)\|", line.strip().strip("|"))]
 
 
 def parts(page: Path, name: str) -> tuple[str, str, str]:

@@ -1,17 +1,13 @@
-"""Writes the tables of docs/reliability.md: one row for each run of a test with its newest code."""
+"""Records of tests: a row of fuzz.csv or sanitize.csv for each run. docs/reliability.md sums them up."""
 
+import csv
 import datetime
 import re
 import subprocess
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / "book"))
-from marked import cells, parts, put, table
-
 ROOT = Path(__file__).resolve().parents[1]
-PAGE = ROOT / "docs" / "reliability.md"
 
 Row = list[str]
 
@@ -38,14 +34,19 @@ def _git(*arguments: str) -> str:
 
 
 def rows(name: str) -> list[Row]:
-    """Returns the rows of a table of the page."""
-    return [cells(line) for line in parts(PAGE, name)[1].splitlines()[2:]]
+    """Returns the rows of a record, without its head."""
+    with _file(name).open(newline="", encoding="utf-8") as file:
+        return list(csv.reader(file))[1:]
 
 
 def append(name: str, row: Row) -> None:
-    """Appends a row to a table of the page. It replaces the rows of the same test with other code."""
-    kept = [old for old in rows(name) if old[0] != row[0] or old[1] == row[1]]
-    put(PAGE, name, table(cells(parts(PAGE, name)[1].splitlines()[0]), [*kept, row]))
+    """Appends a row to a record."""
+    with _file(name).open("a", newline="", encoding="utf-8") as file:
+        csv.writer(file, lineterminator="\n").writerow(row)
+
+
+def _file(name: str) -> Path:
+    return ROOT / "fuzz" / f"{name}.csv"
 
 
 def first(ends: Sequence[str], text: str, otherwise: str) -> str:

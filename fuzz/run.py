@@ -1,4 +1,4 @@
-"""Guided fuzzing of every target, one after the other; each run is a row of docs/reliability.md.
+"""Guided fuzzing of every target, one after the other; each run is a row of fuzz.csv.
 
 A target is finished when it has run for the requested number of seconds or executions with the present code.
 Earlier runs with this code count, too, so an interrupted run can be continued later.
@@ -30,7 +30,7 @@ OPTIONS = ["-print_final_stats=1", "-timeout=60", "-rss_limit_mb=4096", "-verbos
 
 
 def had(name: str, code: str) -> list[int]:
-    """Returns the executions and the seconds that a target has run with this code, by docs/reliability.md."""
+    """Returns the executions and the seconds that a target has run with this code, by fuzz.csv."""
     rows = [row for row in record.rows("fuzz") if row[:2] == [name, code]]
     return [sum(int(row[column].replace(",", "")) for row in rows) for column in (3, 4)]
 

@@ -1,4 +1,4 @@
-"""Runs the core's tests and fuzzing's inputs with sanitizers and Miri; recorded in docs/reliability.md."""
+"""Runs the core's tests and fuzzing's inputs with sanitizers and Miri; recorded in sanitize.csv."""
 
 import argparse
 import os

@@ -90,11 +90,11 @@ def test_a_page_without_markers_is_left_alone(tmp_path: Path) -> None:
     assert page.read_text("utf-8") == "no table"
 
 
-def test_a_table_is_put_between_its_markers_and_read_again(tmp_path: Path) -> None:
+def test_a_table_is_put_between_its_markers(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
     page.write_text("before\n<!-- a:begin -->\nold\n<!-- a:end -->\nafter\n", "utf-8")
     rows = [["|p|", "1"], [r"\phi", "2"]]
     marked.put(page, "a", marked.table(["what", "value"], rows))
     before, inside, after = marked.parts(page, "a")
     assert (before, after) == ("before\n<!-- a:begin -->\n", "<!-- a:end -->\nafter\n")
-    assert [marked.cells(line) for line in inside.splitlines()[2:]] == rows
+    assert inside == "| what | value |\n|---|---|\n| \\|p\\| | 1 |\n| \\phi | 2 |\n"
