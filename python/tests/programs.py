@@ -1,5 +1,5 @@
 """Programs that play and end in various ways. Each input line "act port hold" starts one program as a
-child process.
+child process; with these three words as arguments, this process is the program.
 
 The output has each program's process number when it plays, and "ended" when it has ended.
 """
@@ -79,13 +79,36 @@ def exit(surface):
     os._exit(1)
 
 
+def killed(surface):
+    """Kills itself; on Windows by TerminateProcess."""
+    wait_for_word()
+    os.kill(os.getpid(), 9)
+
+
+def guardless(surface):
+    """Kills its guard."""
+    wait_for_word()
+    surface._guard._process.kill()
+    time.sleep(30)
+
+
+def alone(surface):
+    """Kills its guard, then itself: the watcher is left."""
+    wait_for_word()
+    surface._guard._process.kill()
+    os.kill(os.getpid(), 9)
+
+
 def forgotten(surface):
     """Ends the program without closing the board or keeping a reference to it."""
     wait_for_word()
 
 
 ACTS = {act.__name__: act for act in (bare, solve, send, stream, modulate, forked)}
-ACTS |= {act.__name__: act for act in (spin, native, exception, segfault, exit, forgotten)}
+ACTS |= {
+    act.__name__: act
+    for act in (spin, native, exception, segfault, exit, killed, guardless, alone, forgotten)
+}
 ACTS["sleep"] = bare
 
 
@@ -101,6 +124,9 @@ def play(name, port, hold):
 
 
 def main():
+    if len(sys.argv) > 1:
+        # Windows cannot fork.
+        return play(*sys.argv[1:])
     # nohup makes programs ignore SIGHUP.
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
     # Each line is read when it arrives, and this process forks the program for it.

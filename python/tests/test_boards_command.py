@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import firmware
-from midair import ports
+from midair import BoardError, ports
 
 SCENE = '[array]\npreset = "sonicsurface"\n\n[[points]]\nposition = [0.0, 0.0, 0.15]\n'
 
@@ -137,6 +137,18 @@ def test_a_file_of_what_moves_is_sent_to_the_command_for_it(tmp_path: Path) -> N
         "its points move: midair motion solves it and midair play plays it"
         in midair("solve", str(path), status=2).stderr
     )
+
+
+def test_a_system_that_does_not_list_its_ports_gets_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    from serial.tools import list_ports
+
+    # The error of Wine.
+    def failing() -> None:
+        raise AttributeError("function 'CM_MapCrToWin32Err' not found")
+
+    monkeypatch.setattr(list_ports, "comports", failing)
+    with pytest.raises(BoardError, match=r"list its serial ports \(function .* found\): give the port"):
+        ports()
 
 
 def test_ports_say_what_an_adapter_could_lead_to(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,8 +6,8 @@ import json
 from typing import ClassVar
 
 import pytest
-from pyftdi.ftdi import FtdiError
-from pyftdi.usbtools import UsbToolsError
+from pyftdi.ftdi import Ftdi, FtdiError
+from pyftdi.usbtools import UsbTools, UsbToolsError
 from usb.core import USBError, USBTimeoutError
 
 import midair
@@ -90,6 +90,15 @@ def test_two_lines_of_one_chip(chips):
 def test_a_chip_that_is_not_there():
     with pytest.raises(midair.BoardNotFound, match='device "C" is not there'):
         transport("openmpd:C")
+
+
+def test_a_system_without_libusb(monkeypatch):
+    # pyftdi's own error, at the first use of a chip.
+    monkeypatch.setattr(fifo, "Ftdi", Ftdi)
+    monkeypatch.setattr(UsbTools, "BACKENDS", ())
+    UsbTools.release_all_devices()
+    with pytest.raises(midair.BoardError, match=r'^device "A" needs libusb, which this system lacks: \S'):
+        transport("openmpd:A")
 
 
 @pytest.mark.parametrize(

@@ -54,7 +54,6 @@ UPWARD = {
 
 #: Modules that import by a name that they compute, each with the reason.
 COMPUTED = {
-    "midair._boards.process": "the guard's program imports its kind of transport early",
     "midair._boards.transport": "a kind of transport is loaded by its name in TRANSPORTS",
     "midair._support.slips": "the name stands where a method is declared by Later",
     "midair._toolbox": "HOMES, METHODS and CALLED list the names",

@@ -12,7 +12,7 @@ import numpy as np
 from .._midair import Codec, nearest, numbers
 from .._support.arguments import is_array, needs, number, refused, word
 from .board import Board
-from .errors import BoardError
+from .errors import BoardError, reason
 
 #: Kinds of boards that an address can name.
 KINDS = Codec.kinds()
@@ -204,7 +204,7 @@ def ports() -> list[Port]:
     Raises
     ------
     BoardError
-        If pyserial is not installed (the extra `midair[serial]`).
+        If pyserial is not installed (the extra `midair[serial]`), or the system does not list its ports.
 
     Examples
     --------
@@ -212,8 +212,14 @@ def ports() -> list[Port]:
     >>> all(port.name for port in midair.ports())
     True
     """
-    with needs("ports needs pyserial", "serial", BoardError):
-        from serial.tools.list_ports import comports
+    try:
+        with needs("ports needs pyserial", "serial", BoardError):
+            from serial.tools.list_ports import comports
+        listed = comports()
+    # AttributeError: Wine lacks functions of Windows that pyserial calls.
+    except (AttributeError, OSError) as error:
+        cure = "give the port's name from the device manager, as in sonicsurface:COM3"
+        raise BoardError(f"this system does not list its serial ports ({reason(error)}): {cure}") from error
     found = (
         Port(
             port.device,
@@ -222,6 +228,6 @@ def ports() -> list[Port]:
             port.serial_number,
             _could_be(port.vid, port.pid, port.product or ""),
         )
-        for port in comports()
+        for port in listed
     )
     return sorted(found, key=lambda port: port.name)

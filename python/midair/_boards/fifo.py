@@ -3,6 +3,7 @@
 The chip accepts bytes as fast as the board plays frames, and blocks while the board's memory is full.
 """
 
+import sys
 from contextlib import suppress
 from typing import Any
 
@@ -19,9 +20,17 @@ STALLED_MS = 200
 LATENCY_MS = 2
 CHUNK = 65536
 
-#: Error numbers of Linux and macOS that USB drivers return: no permission, busy, timed out.
+#: Error numbers of Linux, macOS and Windows that USB drivers return: no permission, busy, timed out.
 NO_ACCESS, BUSY = 13, 16
-TIMED_OUT = (60, 110)
+TIMED_OUT = (60, 110, 10060)
+
+#: Cures for a chip that may not be opened, and for a system without libusb.
+if sys.platform == "win32":
+    ALLOW = "give it the driver WinUSB with Zadig (pyftdi's documentation explains it)"
+    INSTALL = "put libusb-1.0.dll into a folder of PATH, and give the chip the driver WinUSB with Zadig"
+else:
+    ALLOW = "allow it by a rule of udev (pyftdi's documentation has one)"
+    INSTALL = "install libusb 1.0, Debian's libusb-1.0-0"
 
 
 class FifoTransport(Transport):
@@ -103,15 +112,14 @@ def _open(serial: str, interface: int) -> Any:
             chip.close()
         number = _number(error)
         if number == NO_ACCESS:
-            raise BoardPermission(
-                f'device "{serial}" may not be opened by you: allow it by a rule of udev (pyftdi\'s '
-                "documentation has one)"
-            ) from error
+            raise BoardPermission(f'device "{serial}" may not be opened by you: {ALLOW}') from error
         if number == BUSY:
             raise BoardBusy(f'device "{serial}" is in use: close the other program that holds it') from error
+        if "No backend" in str(error):
+            raise BoardError(f'device "{serial}" needs libusb, which this system lacks: {INSTALL}') from error
         raise BoardNotFound(
             f'device "{serial}" is not there ({reason(error)}): plug the board in; the serial number is '
-            "its FTDI chip's"
+            "its FTDI chip's" + (f"; {ALLOW}" if sys.platform == "win32" else "")
         ) from error
     return chip
 

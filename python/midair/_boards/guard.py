@@ -307,7 +307,7 @@ def main() -> None:
         transport = open_transport(setting["transport"])
         guard = Guard(transport, Owner(parent, setting["hold"]), inbox, Replies(replies))
         served.append(guard)
-        watch.begin({name: setting[name] for name in ("path", "transport")})
+        watch.begin({name: setting[name] for name in ("path", "transport", "owner")})
         wire.write(replies, Kind.DONE, number, guard.status())
         guard.run()
     # A device's library may raise errors of any kind.

@@ -12,7 +12,6 @@ from collections.abc import Callable
 from concurrent.futures import Future, InvalidStateError, TimeoutError as NoAnswer, wait
 from contextlib import suppress
 from dataclasses import dataclass
-from importlib import import_module
 from itertools import count
 from pathlib import Path
 from queue import SimpleQueue
@@ -20,7 +19,7 @@ from typing import Any
 
 from . import wire
 from .errors import KINDS, BoardError, BoardLost, BoardTimeout
-from .transport import SIMULATED, TRANSPORTS, before_what_computes, open_transport
+from .transport import SIMULATED, before_what_computes, open_transport, prepare
 from .watcher import Stops
 from .wire import Kind
 
@@ -87,13 +86,10 @@ class GuardProcess:
         for thread in self._threads:
             thread.start()
         path = [os.path.abspath(entry) for entry in sys.path]
-        setting = json.dumps({"path": path, "transport": transport, "hold": hold})
+        setting = json.dumps({"path": path, "transport": transport, "hold": hold, "owner": self._owner})
         try:
             opened = self.ask(Kind.OPEN, setting.encode())
-            # Once the guard is dead, this import would take too long on a busy computer. The guard reports
-            # what cannot be imported.
-            with suppress(Exception):
-                import_module(f"{__package__}.{TRANSPORTS[transport['kind']][0]}")
+            prepare(transport)
             self.answer(opened, OPENING)
         except BaseException:
             # If the caller is interrupted, do not wait until the device is open.
@@ -225,7 +221,10 @@ class GuardProcess:
 
 
 def _started() -> subprocess.Popen[bytes]:
-    """Start a guard process with two pipes, in a session of its own, with Python's standard library only."""
+    """Start a guard process with two pipes, with Python's standard library only.
+
+    It has a session of its own, on Windows a console of its own: closing the program's does not end it.
+    """
     try:
         return subprocess.Popen(
             [_interpreter(), "-I", "-S", str(Path(__file__).with_name("start.py"))],
@@ -233,6 +232,7 @@ def _started() -> subprocess.Popen[bytes]:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             start_new_session=True,
+            creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
             env={**os.environ, GUARD: "1"},
         )
     except OSError as error:

@@ -1,4 +1,4 @@
-"""First code of a guard process: it imports midair's board modules without midair itself and NumPy."""
+"""First code of a guard, on Windows of a watcher: imports midair's board modules without NumPy."""
 
 import signal
 import sys
@@ -7,8 +7,8 @@ from pathlib import Path
 from types import ModuleType
 
 
-def start() -> None:
-    """Run the guard; standard input and output are its pipes.
+def start(*words: str) -> None:
+    """Run the guard, with words the watcher; standard input and output are its pipes.
 
     The guard ignores Ctrl-C and the closing of the terminal: its owner reacts to them, and then closes the
     guard or stops sending beats.
@@ -21,8 +21,11 @@ def start() -> None:
         package = ModuleType(name)
         package.__path__ = [str(folder)]
         sys.modules[name] = package
-    import_module("midair._boards.guard").main()
+    if words:
+        import_module("midair._boards.watcher").main(*words)
+    else:
+        import_module("midair._boards.guard").main()
 
 
 if __name__ == "__main__":
-    start()
+    start(*sys.argv[1:])

@@ -60,6 +60,13 @@ TRANSPORTS = {
 SIMULATED = ("null", "loop", "file")
 
 
+def prepare(description: dict[str, Any]) -> None:
+    """Import what `open_transport` needs, which takes too long on a busy computer once a guard is dead."""
+    # The guard reports what cannot be imported.
+    with suppress(Exception):
+        import_module(f"{__package__}.{TRANSPORTS[description['kind']][0]}")
+
+
 def open_transport(description: dict[str, Any]) -> Transport:
     """Make the transport that a JSON description specifies.
 

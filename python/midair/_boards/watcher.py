@@ -1,26 +1,26 @@
 """Watcher: a third process, which turns the device off if the guard and its owner die at the same time.
 
 The guard forks it at its start, twice and into a session of its own, so that ending the guard's process group
-or process tree does not end it. It reads beats from the guard. If the beats end without END, the owner turns
-the device off; if the owner is gone too, the watcher does. The watcher kills a guard that is stopped or
-silent.
+or process tree does not end it. On Windows, which has no fork, a program that then ends starts it. It reads
+beats from the guard. If the beats end without END, the owner turns the device off; if the owner is gone too,
+the watcher does. The watcher kills a guard that is stopped or silent.
 
-It cannot help if all three processes are ended. Windows has no fork and so no watcher. Process states come
-from /proc; on systems without it, a process that exists counts as running.
+It cannot help if all three processes are ended. Process states come from /proc; on systems without it, a
+process that exists counts as running.
 """
 
 import json
 import os
-import select
-import signal
+import subprocess
 import sys
 import threading
 import time
 from contextlib import suppress
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from typing import Any
 
-from .transport import open_transport
+from .transport import open_transport, prepare
 from .wire import BEATS
 
 #: Letters in /proc for the state of a process: dead (but still listed), stopped, stopped by a debugger.
@@ -46,6 +46,8 @@ BEAT, END = b".", b"E"
 
 def runs(process: int) -> bool:
     """Return whether a process exists and is neither stopped nor a zombie."""
+    if sys.platform == "win32":
+        return _exists(process)
     if state := _state(process):
         return state not in DEAD + STOPPED + TRACED
     try:
@@ -54,6 +56,18 @@ def runs(process: int) -> bool:
         return False
     # On a system without /proc, an existing process counts as running.
     return not Path("/proc/self/stat").exists()
+
+
+def _exists(process: int) -> bool:
+    """Return whether Windows has a process of this number that has not ended."""
+    import ctypes
+
+    kernel = ctypes.CDLL("kernel32")
+    synchronize, timeout = 0x100000, 258
+    handle = kernel.OpenProcess(synchronize, False, process)
+    waited = kernel.WaitForSingleObject(handle, 0)
+    kernel.CloseHandle(handle)
+    return bool(waited == timeout)
 
 
 def is_stopped(process: int) -> bool:
@@ -90,11 +104,18 @@ class Watch:
 
     def begin(self, setting: dict[str, Any]) -> None:
         """Send the watcher the description of the transport, and beats from now on."""
-        if self._pipe is None or setting["transport"]["kind"] not in WATCHED:
+        if setting["transport"]["kind"] not in WATCHED:
             self.end()
             return
+        if self._pipe is None:
+            # The stream is kept, because Python closes one that is not.
+            self._stream = _spawned(str(os.getpid()), str(setting["owner"]), "by another program").stdin
+            assert self._stream is not None
+            self._pipe = self._stream.fileno()
         self._write(json.dumps(setting).encode() + b"\n")
-        os.set_blocking(self._pipe, False)
+        # Before Python 3.12 Windows lacks this.
+        with suppress(AttributeError):
+            os.set_blocking(self._pipe, False)
         threading.Thread(target=self._beat, daemon=True).start()
 
     def end(self) -> None:
@@ -135,29 +156,61 @@ def _forked() -> int:
         os._exit(0)
 
 
+def _spawned(*words: str, source: Any = subprocess.PIPE) -> subprocess.Popen[bytes]:
+    """Start this module's `main` in a process whose standard input is a pipe or a given stream."""
+    return subprocess.Popen(
+        [sys.executable, "-I", "-S", str(Path(__file__).with_name("start.py")), *words],
+        stdin=source,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
+    )
+
+
+def main(guard: str, owner: str, *more: str) -> None:
+    """Watch these processes by beats from standard input; with one more word, start a process that does."""
+    if more:
+        _spawned(guard, owner, source=sys.stdin)
+    else:
+        _watch(0, int(guard), int(owner))
+    os._exit(0)
+
+
 def _watch(pipe: int, guard: int, owner: int) -> None:
     """Read beats until the guard reports its end or the beats stop; then turn the device off if needed."""
-    with os.fdopen(pipe, "rb", buffering=0) as beats:
-        line = beats.readline()
-        if not line.endswith(b"\n"):
+    with open(pipe, "rb", buffering=0, closefd=False) as stream:
+        line = stream.readline()
+    if not line.endswith(b"\n"):
+        return
+    setting = json.loads(line)
+    node = _node(setting["transport"])
+    sys.path[:] = setting["path"]
+    prepare(setting["transport"])
+    beats: SimpleQueue[bytes] = SimpleQueue()
+    threading.Thread(target=_listen, args=(pipe, beats), daemon=True).start()
+    stops, silent = Stops(guard), time.monotonic() + SILENT
+    while time.monotonic() < silent and not (stops.look() and not runs(owner)):
+        try:
+            came, silent = beats.get(timeout=LOOK), time.monotonic() + SILENT
+        except Empty:
+            continue
+        if END in came or (not came and _left_to(owner)):
             return
-        setting = json.loads(line)
-        node = _node(setting["transport"])
-        sys.path[:] = setting["path"]
-        stops, silent = Stops(guard), time.monotonic() + SILENT
-        while time.monotonic() < silent and not (stops.look() and not runs(owner)):
-            if not select.select([beats], [], [], LOOK)[0]:
-                continue
-            came, silent = os.read(pipe, 4096), time.monotonic() + SILENT
-            if END in came or (not came and _left_to(owner)):
-                return
-            if not came:
-                break
-        else:
-            # An owner that still runs would have killed the guard already.
-            with suppress(OSError):
-                os.kill(guard, signal.SIGKILL)
+        if not came:
+            break
+    else:
+        # An owner that still runs would have killed the guard already. 9 is SIGKILL; on Windows any kills.
+        with suppress(OSError):
+            os.kill(guard, 9)
     _silence(setting["transport"], node, owner)
+
+
+def _listen(pipe: int, beats: SimpleQueue[bytes]) -> None:
+    """Queue all that comes from a pipe, at its end nothing: Windows has no `select` for pipes."""
+    with suppress(OSError):
+        while came := os.read(pipe, 4096):
+            beats.put(came)
+    beats.put(b"")
 
 
 def _node(transport: dict[str, Any]) -> tuple[int, ...] | None:

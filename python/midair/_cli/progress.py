@@ -57,7 +57,10 @@ def fault(error: BaseException) -> str:
 
 
 def prepare() -> None:
-    """Prepare the standard streams: closed ones discard text, others escape characters they cannot encode."""
+    """Prepare the standard streams: closed ones discard text, others escape characters they cannot encode.
+
+    On Windows a file or pipe gets UTF-8, as on other systems; a console has all characters anyway.
+    """
     for descriptor in range(3):
         # Otherwise the next opened file would get the number of a closed stream, and the stream's text.
         try:
@@ -70,7 +73,8 @@ def prepare() -> None:
     for stream in (sys.stdout, sys.stderr):
         # In a notebook the streams are replaced by objects without `reconfigure`.
         if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="backslashreplace")
+            encoding = "utf-8" if sys.platform == "win32" and "PYTHONIOENCODING" not in os.environ else None
+            stream.reconfigure(encoding=encoding, errors="backslashreplace")
 
 
 def tell(line: str) -> None:
