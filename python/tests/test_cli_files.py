@@ -199,7 +199,9 @@ def test_text_is_a_scene_too() -> None:
 
 def program(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "midair", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=HANG, check=False, **options)
+    return subprocess.run(
+        command, capture_output=True, encoding="utf-8", timeout=HANG, check=False, **options
+    )
 
 
 @pytest.mark.slow
@@ -235,7 +237,7 @@ def test_streams_may_be_closed_or_full(line: str, status: int) -> None:
         dict.fromkeys(
             ["MIDAIR_SIMD", "COLUMNS", "LINES", "TERM", "HOME", "LANG", "NO_COLOR", "FORCE_COLOR"], ""
         ),
-        {"TERM": "dumb", "MPLCONFIGDIR": "/proc/none"},
+        {"TERM": "dumb", "MPLCONFIGDIR": __file__},
         None,
     ],
 )
@@ -246,6 +248,22 @@ def test_any_environment_will_do(environment: dict[str, str] | None) -> None:
     assert "uniform" in ran.stdout
     assert Path("µ😀.csv").exists()
     assert Path("µ.png").exists()
+
+
+@pytest.mark.slow
+def test_paths_may_have_spaces_and_umlauts() -> None:
+    tables = Path("mes scènes ü", "sous dossier")
+    tables.mkdir(parents=True)
+    Path("row.csv").rename(tables / "row.csv")
+    scene, drive = tables.parent / "scène.toml", tables / "drive ß.npz"
+    # A backslash on Windows; in single quotes TOML keeps it.
+    scene.write_text(SCENE.replace('"row.csv"', f"'{Path(tables.name, 'row.csv')}'"), "utf-8")
+    ran = program("solve", str(scene), "-o", str(drive), "--image", str(tables / "µ.png"))
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert drive.name in ran.stdout
+    assert len(list(tables.iterdir())) == 3
+    ran = program("solve", str(tables / "rien.toml"))
+    assert ran.stderr == f"error: No such file or directory: {tables / 'rien.toml'}\n"
 
 
 def test_what_no_one_foresaw_is_one_line(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
