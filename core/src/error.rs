@@ -383,6 +383,20 @@ pub(crate) fn one_each(item: &str, length: usize, entries: &str, count: usize, o
     Err(Error::new(ErrorCode::Shape, item, format!("{length} {entries}"), cure))
 }
 
+/// Returns a number of frames per second, if it is a plausible one: at 0.01, a frame is a rest of 100 s; at 1e7, a period of
+/// ultrasound has 250 frames.
+///
+/// # Errors
+/// A rate that is not finite, and one outside of 0.01 to 1e7.
+pub fn frame_rate(rate: f64) -> Result<f64, Error> {
+    match real("rate", rate, 0.0, true)? {
+        rate @ 0.01..=1e7 => Ok(rate),
+        _ => {
+            Err(Error::new(ErrorCode::OutOfRange, "rate", format_args!("{rate:?}"), "give 0.01 to 1e7 frames a second"))
+        }
+    }
+}
+
 /// Returns `value` if it is finite and at least `least` (above it if `strict`); else an error that names `item`.
 pub(crate) fn real(item: &str, value: f64, least: f64, strict: bool) -> Result<f64, Error> {
     if !value.is_finite() {

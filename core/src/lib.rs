@@ -71,7 +71,7 @@ pub use device::channels::Channels;
 pub use device::code::Code;
 pub use device::link::Link;
 pub use device::quantization::Quantization;
-pub use error::{Error, ErrorCode, Notice};
+pub use error::{Error, ErrorCode, Notice, frame_rate};
 pub use kernels::InstructionSet;
 pub use num_complex::{Complex32, Complex64};
 pub use problem::{Beyond, Metrics, Precision, Problem, Reach, Setup, Solution, Status, bound};

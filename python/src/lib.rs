@@ -76,7 +76,7 @@ mod _midair {
         mesh::{Boundary, Mesh},
         metrics::{BatchMetrics, Metrics},
         motion::Motion,
-        moving::{Horizon, Moving, bound_of, check_together, paced},
+        moving::{Horizon, Moving, bound_of, check_together, frame_rate, paced},
         names::{nearest, preset_name, solver_name},
         numbers::checked,
         parts::array_parts,

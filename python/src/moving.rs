@@ -27,6 +27,12 @@ fn pace(rate: f64, change: Argument<'_, '_>, change_rate: Argument<'_, '_>, tau:
     Ok(Pace { rate, change: change?, change_rate: change_rate?, tau: tau?, closed: None })
 }
 
+/// Returns a number of frames per second, if it is plausible.
+#[pyfunction]
+pub(crate) fn frame_rate(rate: f64) -> PyResult<f64> {
+    midair::frame_rate(rate).map_err(refused)
+}
+
 /// Returns the bound of phases in rad per frame, from `change` in rad per frame or `change_rate` in rad/s. Warns of one that
 /// binds nothing.
 #[pyfunction]

@@ -81,8 +81,8 @@ pub(crate) struct Pushes(touch::Pushes, usize);
 impl Pushes {
     /// Make an empty spectrum for `count` frames at `rate` frames per second.
     #[new]
-    fn new(count: usize, rate: f64, places: usize) -> PyResult<Self> {
-        touch::Pushes::new(count, rate, places).map(|pushes| Self(pushes, places)).map_err(refused)
+    fn new(py: Python<'_>, count: usize, rate: f64, places: usize) -> PyResult<Self> {
+        attend(py, None, |control| touch::Pushes::new(count, rate, places, &control)).map(|pushes| Self(pushes, places))
     }
 
     /// Add frames (K, P) in Pa, from frame `first` on.

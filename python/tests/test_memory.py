@@ -26,6 +26,12 @@ TOO_MUCH = {
         'midair.solve_batch(scene(90_000, 1), np.ones((20_000, 1, 3)), solver="fast")',
         "20000",
     ),
+    "skin": ("midair.skin(played(4, 9_000, rate=0.01))", "the spectrum at a skin"),
+    "fly": ("midair.fly(played(900, 9, rate=0.01))", "the drives at knots of N = 900 transducers"),
+    "a long flight": (
+        "midair.fly(played(4, 9, closed=True), duration=1e9)",
+        "1e+09 s: the tracks of the beads need",
+    ),
 }
 
 PROGRAM = """
@@ -33,6 +39,9 @@ import midair, numpy as np
 def scene(count, points):
     points = np.random.default_rng(0).uniform(-0.1, 0.1, (points, 3)) + [0, 0, 0.3]
     return midair.Scene(midair.Array.grid(count // 2, 2, pitch=0.001), points)
+def played(count, frames, rate=1e3, closed=False):
+    places, drives = np.full((frames, 1, 3), 0.1), np.ones((frames, count))
+    return midair.Sequence(scene(count, 1).array, places, 1.0, drives, rate=rate, closed=closed)
 try:
     {0}
 except MemoryError as error:

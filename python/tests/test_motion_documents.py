@@ -130,6 +130,16 @@ def test_a_file_that_is_not_there_is_named_once(tmp_path: Path) -> None:
         ("a.toml", SCENE.replace("0.01", "-1"), "line 15, column 10: motion.path[0].radius is -1"),
         ("a.toml", SCENE.replace("kind", "knid"), 'line 13, column 1: unknown key of motion.path[0] "knid"'),
         ("a.toml", SCENE.replace("rate = 1000\n", ""), "motion.rate is left out"),
+        (
+            "a.toml",
+            SCENE.replace("rate = 1000", "rate = 1e-300"),
+            "line 9, column 8: motion.rate is 1e-300: give 0.01 to 1e7 frames",
+        ),
+        (
+            "a.toml",
+            SCENE.replace("rate = 1000", "rate = 1e300"),
+            "line 9, column 8: motion.rate is 1e300: give 0.01 to 1e7 frames",
+        ),
         ("a.toml", SCENE.replace("rate", "when = 2020-01-01\nrate"), 'unknown key of motion "when"'),
         ("a.toml", SCENE.replace("0.5", "2020-01-01"), "a.toml, line 10, column"),
         ("a.toml", SCENE.replace("rate = 1000", "rate = inf\nrat = 1"), 'unknown key of motion "rat"'),

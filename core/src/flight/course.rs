@@ -1,7 +1,7 @@
 //! Course: radiation and points of a sequence at knots (interpolation nodes in time), linear between knots.
 
 use crate::control::bytes;
-use crate::error::{one_each, real};
+use crate::error::{frame_rate, one_each, real};
 use crate::flight::envelope::Envelope;
 use crate::prelude::*;
 use crate::propagation::Model;
@@ -58,7 +58,7 @@ impl Course {
         closed: bool,
         before: Vec<Complex64>,
     ) -> Result<Self, Error> {
-        real("rate", envelope.rate, 0.0, true)?;
+        frame_rate(envelope.rate)?;
         real("tau", envelope.tau, 0.0, false)?;
         if points == 0 || frames.is_empty() || !frames.len().is_multiple_of(points) {
             return Err(Error::invalid("points", frames.len(), "give as many in each frame"));
@@ -132,7 +132,7 @@ impl Course {
         control.pulse()?;
         let knots = if self.played.is_multiple_of(self.every) { self.parts } else { 0 };
         let (first, count) = (self.drives.len(), self.transducers);
-        control.room("the drives at knots", [count, knots], bytes(8, &[first + knots * count]))?;
+        control.room("the drives at knots", [count, knots], bytes(8, &[first + 3 * knots * count]))?;
         let steps = 2 * knots;
         let mut all = vec![Complex32::ZERO; steps * count];
         self.envelope.frame(now, following, &mut self.state, 2 * self.parts, 0..steps, &mut all);
@@ -145,6 +145,11 @@ impl Course {
     /// Returns the number of knots of one lap, or of all frames of an open sequence.
     pub fn lap(&self) -> usize {
         self.drives.len() / self.transducers
+    }
+
+    /// Returns the number of frames per second.
+    pub fn rate(&self) -> f64 {
+        self.envelope.rate
     }
 
     /// Returns the time in s between two knots.

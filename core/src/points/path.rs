@@ -2,7 +2,7 @@
 
 use core::f64::consts::PI;
 
-use crate::error::real;
+use crate::error::{frame_rate, real};
 use crate::points::curve::Curve;
 use crate::points::modulation::{Modulation, ROUNDING};
 use crate::prelude::*;
@@ -134,7 +134,17 @@ impl Path {
         closed: bool,
         pressures: Option<&[f64]>,
     ) -> Result<Self, Error> {
-        real("rate", rate, 0.0, true)?;
+        Self::straight(places, points, frame_rate(rate)?, closed, pressures)
+    }
+
+    /// Creates the path of [`Path::through`]; a path that rests or lasts long may have any rate.
+    fn straight(
+        places: Vec<[f64; 3]>,
+        points: usize,
+        rate: f64,
+        closed: bool,
+        pressures: Option<&[f64]>,
+    ) -> Result<Self, Error> {
         let count = places.len() / points.max(1);
         if points == 0 || count < 2 || count * points != places.len() {
             let cure = "give at least two frames of as many points, at least one";
@@ -156,7 +166,7 @@ impl Path {
     /// No place, wrong places or pressures, a duration that is not above 0.
     pub fn still(places: &[[f64; 3]], duration: f64, pressures: Option<&[f64]>) -> Result<Self, Error> {
         check_set("places", places)?;
-        Self::through([places, places].concat(), places.len(), rate_of(2.0, duration)?, true, pressures)
+        Self::straight([places, places].concat(), places.len(), rate_of(2.0, duration)?, true, pressures)
     }
 
     /// Creates a path from points (M,) to as many others in m, each straight and at constant speed. Either the duration in s or
@@ -180,7 +190,7 @@ impl Path {
         }
         let longest = from.iter().zip(to).map(|(&from, &to)| distance(from, to)).fold(0.0, f64::max);
         let duration = duration.map_or_else(|| lasting(longest, 1.0, speed, None), Ok)?;
-        Self::through([from, to].concat(), from.len(), rate_of(1.0, duration)?, false, pressures)
+        Self::straight([from, to].concat(), from.len(), rate_of(1.0, duration)?, false, pressures)
     }
 
     fn new(points: usize, duration: f64, closed: bool, pressures: Option<&[f64]>, course: Course) -> Self {
@@ -298,7 +308,7 @@ impl Path {
     /// # Errors
     /// A rate that gives fewer than two frames, too many at once, or too few for the modulation.
     pub fn count(&self, rate: f64) -> Result<usize, Error> {
-        real("rate", rate, 0.0, true)?;
+        frame_rate(rate)?;
         let refused = |cure: &str| Err(Error::invalid("rate", format_args!("{rate:?}"), cure));
         let count = math::rint(self.duration * rate) + f64::from(u8::from(!self.closed));
         if count < 2.0 {

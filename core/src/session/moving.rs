@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 use core::ops::Range;
 
 use crate::device::quantization::{Quantization, steps_within};
-use crate::error::{ErrorCode, Notice, real};
+use crate::error::{ErrorCode, Notice, frame_rate, real};
 use crate::kernels::InstructionSet;
 use crate::math::{ceil, rint};
 use crate::points::{Path, PathFrames};
@@ -138,8 +138,9 @@ impl Pace {
     /// Returns the bound of the change of a phase in rad per frame.
     ///
     /// # Errors
-    /// `change` and `change_rate` together, or one below 0.
+    /// `change` and `change_rate` together, or one below 0; the errors of [`frame_rate`].
     pub fn bound(&self) -> Result<f64, Error> {
+        frame_rate(self.rate)?;
         match (self.change, self.change_rate) {
             (Some(_), Some(other)) => {
                 Err(Error::invalid("change_rate", format_args!("{other:?}"), "change is given, too: give one of them"))

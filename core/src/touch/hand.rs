@@ -2,6 +2,7 @@
 
 use core::ops::Range;
 
+use crate::error::frame_rate;
 use crate::prelude::*;
 use crate::scene::{Array, Axis, Plane, distance};
 use crate::touch::membrane::Membrane;
@@ -73,8 +74,8 @@ impl Touch {
         if side < 2 || side * side != places.len() {
             return Err(Error::invalid("places", places.len(), "give the square of 2 or more"));
         }
-        let stride = stride(count, rate);
-        let mut pushes = Pushes::new(count / stride, rate / stride as f64, places.len())?;
+        let stride = stride(count, frame_rate(rate)?);
+        let mut pushes = Pushes::new(count / stride, rate / stride as f64, places.len(), control)?;
         if pushes.frequencies().is_empty() {
             let lap = format!("{} a second", rate / count as f64);
             return Err(Error::invalid("laps", lap, "give at most 1000: a skin perceives nothing above 1 kHz"));

@@ -3,6 +3,8 @@
 use core::f64::consts::{PI, TAU};
 use core::ops::Range;
 
+use crate::control::bytes;
+use crate::error::frame_rate;
 use crate::prelude::*;
 use crate::touch::membrane::Membrane;
 use crate::touch::thresholds::{Channel, HIGHEST, strength};
@@ -27,11 +29,9 @@ impl Pushes {
     /// Creates a spectrum of zeros for `count` frames at `rate` frames per second.
     ///
     /// # Errors
-    /// No frame, no place, or a rate that is not above 0 and finite.
-    pub fn new(count: usize, rate: f64, places: usize) -> Result<Self, Error> {
-        if !(rate > 0.0 && rate.is_finite()) {
-            return Err(Error::invalid("rate", rate, "give frames a second, above 0"));
-        }
+    /// No frame, no place; the errors of [`frame_rate`]; more memory than allowed.
+    pub fn new(count: usize, rate: f64, places: usize, control: &Control) -> Result<Self, Error> {
+        frame_rate(rate)?;
         if count == 0 || places == 0 {
             let value = alloc::format!("{count} at {places} places");
             return Err(Error::invalid("frames", value, "give at least one, and one place"));
@@ -39,6 +39,7 @@ impl Pushes {
         let apart = rate / count as f64;
         // A line at 1 kHz is kept even if rounding has moved its frequency slightly above 1 kHz.
         let lines = (HIGHEST / apart * (1.0 + 1e-9)) as usize;
+        control.room("the spectrum at a skin", [0, places], bytes(8, &[lines, places.saturating_add(1)]))?;
         let frequencies = (1..=lines).map(|k| k as f64 * apart).collect();
         Ok(Self { count, places, frequencies, mean: vec![0.0; places], lines: vec![Complex32::ZERO; lines * places] })
     }
@@ -55,6 +56,7 @@ impl Pushes {
             let cure = alloc::format!("give {places} for each of {count} frames");
             return Err(Error::invalid("values", alloc::format!("{} from frame {first} on", values.len()), cure));
         }
+        control.room("the factors of lines", [0, frames], bytes(8, &[self.frequencies.len(), frames]))?;
         let mut factors = Vec::with_capacity(self.frequencies.len() * frames);
         for harmonic in 1..=self.frequencies.len() {
             control.pulse()?;

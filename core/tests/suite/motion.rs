@@ -2,7 +2,10 @@
 
 use std::f64::consts::PI;
 
-use midair::solvers::{Glide, Last};
+use midair::flight::{Course, Envelope};
+use midair::points::Path;
+use midair::solvers::{Glide, Last, Method};
+use midair::touch::{Pushes, Touch};
 use midair::{
     Aim, Array, Complex32, Complex64, Control, Frames, InstructionSet, Medium, Model, Problem, Quantization, Request,
     Session, Solve, SolveRequest, Start, Workspace,
@@ -220,6 +223,30 @@ fn options_out_of_range_are_refused() {
     assert!(refused("change", -0.1).starts_with("change is -0.1"));
     assert!(refused("tau", 1.0).starts_with("tau is 1: give at most 1e-1 s"), "{}", refused("tau", 1.0));
     assert!(refused("rate", 0.0).starts_with("rate is 0"));
+}
+
+#[test]
+fn a_rate_of_frames_has_the_same_bounds_everywhere() {
+    let (place, start) = ([[0.0, 0.0, 0.1]; 2], vec![Complex64::ONE]);
+    let still = Path::still(&place, 1e4, None).expect("a path longer than any frame");
+    let envelope = |rate: f64| Envelope { rate, tau: 2e-4, linear: false };
+    for rate in [1e-300, 9.9e-3, 1.01e7, 1e300, f64::NAN, -1.0] {
+        let refused = [
+            midair::frame_rate(rate).err(),
+            Path::through(place.to_vec(), 1, rate, false, None).err(),
+            still.frames(rate).err(),
+            midair::Pace { rate, change: Some(1.0), ..midair::Pace::default() }.bound().err(),
+            Glide { rate, ..Glide::default() }.check().err(),
+            Course::new(&place, 1, 8e-3, envelope(rate), false, start.clone()).err(),
+            Pushes::new(9, rate, 1, &Control::none()).err(),
+            Touch::of_frames(9000, rate, &[[0.0; 3]; 4], &mut |_| Ok(vec![0.0; 4]), &mut Control::none()).err(),
+        ];
+        let said = refused.map(|error| error.expect("refused").to_string());
+        assert!(said[0].starts_with("rate is ") && said.iter().all(|text| text == &said[0]), "{said:?}");
+    }
+    for rate in [0.01, 1e7] {
+        assert_eq!(midair::frame_rate(rate), Ok(rate));
+    }
 }
 
 #[test]

@@ -28,7 +28,7 @@ fn a_circle_moves_the_skin_as_the_record_has_it() {
     let places: Vec<[f64; 3]> = (0..side * side).map(|k| [along(k % side), along(k / side), height]).collect();
     let model = Model::new(&array, medium, midair::InstructionSet::best()).expect("a model");
     let solver = solvers::find("naive").and_then(|found| found.configure(&[].into())).expect("naive").solver;
-    let mut pushes = Pushes::new(count, real("rate"), side * side).expect("pushes");
+    let mut pushes = Pushes::new(count, real("rate"), side * side, &Control::none()).expect("pushes");
     for t in 0..count {
         let angle = TAU * t as f64 / count as f64;
         let point = [real("radius") * angle.cos(), real("radius") * angle.sin(), height];

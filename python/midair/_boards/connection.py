@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Array, Solution
 from .._sequence import Sequence
-from .._support.arguments import is_array, number, refused
+from .._support.arguments import frame_rate, is_array, number, refused
 from . import wire
 from .address import DEFAULT, Address, describe, modulation, parse
 from .board import Board
@@ -135,7 +135,7 @@ class Connection:
         frames = given_drives(self.board, drives)
         if rate is None and isinstance(drives, Sequence):
             rate = drives.rate
-        pace = self.board.rate if rate is None else number("rate", rate, above=0)
+        pace = self.board.rate if rate is None else frame_rate(rate)
         if late not in LATE:
             raise refused("late", late, f"give {', '.join(LATE)}")
         check_rate(pace, self.board, LATE[late])

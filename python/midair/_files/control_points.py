@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._midair import FARTHEST, numbers, read_table, stated
 from .._sequence import Sequence
-from .._support.arguments import number
+from .._support.arguments import frame_rate, number
 from .._support.text import fault
 from ..path import Path
 
@@ -70,7 +70,7 @@ def control_points(given: Any, rate: float | None, modulate: float | None) -> Co
 def _rate(rate: float | None) -> float:
     if rate is None:
         raise stated("rate", "is left out", "give frames a second", code="missing")
-    return number("rate", rate, above=0)
+    return frame_rate(rate)
 
 
 def _points(given: ArrayLike) -> Numbers:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._midair import Array, Moving, Scene, scene_keys
 from .._pictures.notebook import sequence
 from .._support import output
-from .._support.arguments import flag, number, word
+from .._support.arguments import flag, frame_rate, number, word
 from . import arguments, drives as driven
 
 #: Names of the arguments for the air, for obstacles in it, and for the kind of points.
@@ -45,7 +45,7 @@ class Frames:
             raise TypeError(f"Sequence has no argument {name!r}: of the air it takes {', '.join(AIR)}")
         self._points = arguments.points(points)
         self._targets = arguments.targets(targets, self._points.shape[:2])
-        self._rate = number("rate", rate, above=0)
+        self._rate = frame_rate(rate)
         self._closed = flag("closed", closed)
         self._change = None if change is None else number("change", change, least=0)
         self._quantization = arguments.quantization(quantization, array)

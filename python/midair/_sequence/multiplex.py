@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from .._midair import Scene, solve_batch, stated
-from .._support.arguments import number, refused, warn, whole, without_warnings
+from .._support.arguments import frame_rate, refused, warn, whole, without_warnings
 from .frames import air_of
 from .sequence import Sequence
 
@@ -77,7 +77,7 @@ def multiplex(
     True
     """
     count, rounds = whole("frames", frames, least=2), whole("rounds", rounds, least=1, most=MOST_ROUNDS)
-    rate = number("rate", rate, above=0)
+    rate = frame_rate(rate)
     if not isinstance(scene, Scene) or scene.pressures is None:
         raise refused("scene", scene, "give a midair.Scene with pressures=")
     if scene.signature is not None:

@@ -25,7 +25,7 @@ from .._midair import (
     restated,
     stated,
 )
-from .._support.arguments import callback, flag, number, refused, whole
+from .._support.arguments import callback, flag, frame_rate, number, refused, whole
 from ..path import Path, read, still
 from ..path._frames import changing_pressures
 from . import store
@@ -224,7 +224,7 @@ def modulated(
     """
     if solution.scene is None:
         raise stated("solution.scene", "is None", "give a solution of a Scene", code="missing")
-    frames, scene = number("rate", rate, above=0), solution.scene
+    frames, scene = frame_rate(rate), solution.scene
     if samples_rate is None:
         pace = number("frequency", frequency, above=0)
     else:
@@ -307,7 +307,7 @@ def stream(
     >>> len(drives), drives[0].shape
     (5, (249,))
     """
-    each = number("rate", rate, above=0)
+    each = frame_rate(rate)
     frames = _frames(frames, options)
     if known := whole("ahead", ahead, least=0):
         most = bound_of(each, change, change_rate)

@@ -17,7 +17,7 @@ from .._boards.errors import BoardError, BoardLost
 from .._boards.transport import before_what_computes
 from .._midair import Scene, stated
 from .._sequence import stream
-from .._support.arguments import number
+from .._support.arguments import frame_rate, number
 from ..path import Path
 from .life import Life
 
@@ -82,7 +82,7 @@ class Live:
         again: Callable[[], Connection] | None = None,
     ) -> None:
         most = connection.board.rate
-        self.rate = most if rate is None else min(number("rate", rate, above=0), most)
+        self.rate = most if rate is None else min(frame_rate(rate), most)
         self._change = None if change is None else number("change", change, above=0)
         self.connection = connection
         #: The last error of a playback, and the source of its points; None once others play.

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import SceneError, SceneWarning, numbers, stated
+from .._midair import SceneError, SceneWarning, frame_rate as plausible, numbers, stated
 
 #: Sizes of numbers within which products of a few of them neither overflow nor vanish.
 SMALLEST, GREATEST = 1e-100, 1e100
@@ -78,6 +78,11 @@ def number(item: str, value: Any, *, above: float | None = None, least: float | 
     if real and not SMALLEST <= abs(real) <= GREATEST:
         raise refused(item, value, f"give a number from {SMALLEST:g} to {GREATEST:g} in size", "out-of-range")
     return real
+
+
+def frame_rate(rate: Any) -> float:
+    """Return a plausible number of frames per second."""
+    return plausible(number("rate", rate, above=0))
 
 
 def sized(item: str, values: NDArray[Any]) -> NDArray[Any]:

@@ -26,7 +26,7 @@ from .._midair import (
 from .._sequence import Sequence, sequence
 from .._sequence.arguments import time_constant
 from .._sequence.drives import lowered
-from .._support.arguments import number, refused, warn, without_warnings, word
+from .._support.arguments import frame_rate, number, refused, warn, without_warnings, word
 from .._support.text import Facts
 from ..path import Path
 from .schedule import SPEEDS, Curve, Foci, Technique, moving, usual
@@ -181,7 +181,7 @@ def haptic(
     """
     if not isinstance(array, Array):
         raise TypeError(f"expected a midair.Array second, not {type(array).__qualname__}")
-    frames = number("rate", rate, above=0)
+    frames = frame_rate(rate)
     if frames > FASTEST:
         raise refused(
             "rate", rate, f"give at most {FASTEST:g} frames per second, the time of the search grows with it"

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import FARTHEST, Path, numbers, stated
-from .._support.arguments import flag, number, vectors
+from .._support.arguments import flag, frame_rate, vectors
 
 Numbers = NDArray[np.float64]
 
@@ -50,7 +50,7 @@ def read(path: Path | ArrayLike, rate: float, pressures: ArrayLike | None = None
     >>> midair.path.read(ring, 1000, pressures=500).points.shape
     (20, 1, 3)
     """
-    rate = number("rate", rate, above=0)
+    rate = frame_rate(rate)
     if isinstance(path, Path):
         points, targets = path.frames(rate)
         if pressures is not None and path.pascals:
@@ -101,7 +101,7 @@ def from_array(
     frames = point_sets("points", points)
     if pressures is not None:
         pressures = changing_pressures(pressures, *frames.shape[:2])
-    return Path._through(frames, number("rate", rate, above=0), flag("closed", closed), pressures)
+    return Path._through(frames, frame_rate(rate), flag("closed", closed), pressures)
 
 
 def changing_pressures(value: ArrayLike | None, frames: int, points: int) -> Numbers:

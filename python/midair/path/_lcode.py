@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._midair import Path, stated
-from .._support.arguments import number, vector
+from .._support.arguments import frame_rate, number, vector
 from .._support.text import fault, numbers
 from ._frames import from_array
 from ._gcode import program
@@ -110,7 +110,7 @@ def lcode(
     rate = written_rate if rate is None else rate
     if rate is None:
         raise stated("rate", "is missing", "give frames per second: the program has no C11", code="missing")
-    counts = 1 + np.rint(np.array(holds) * 1e-3 * number("rate", rate, above=0))
+    counts = 1 + np.rint(np.array(holds) * 1e-3 * frame_rate(rate))
     if counts.sum() > MOST_FRAMES:
         raise stated("the program", f"has {counts.sum():.3g} frames", f"give at most {MOST_FRAMES}")
     moved = [[point + vector("origin", origin) for point in points] for points in frames]

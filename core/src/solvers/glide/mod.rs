@@ -21,7 +21,7 @@ mod arc;
 use core::f64::consts::{PI, TAU};
 
 use crate::device::quantization::{Quantization, steps_within};
-use crate::error::real;
+use crate::error::{frame_rate, real};
 use crate::kernels::tiles::unit::{Arc, rotate_list};
 use crate::kernels::tiles::{all_sound, error_diffusion};
 use crate::prelude::*;
@@ -88,7 +88,7 @@ impl Method for Glide {
     fn check(&self) -> Result<(), Error> {
         real("change", self.change, 0.0, false)?;
         real("tau", self.tau, 0.0, false)?;
-        real("rate", self.rate, 0.0, true)?;
+        frame_rate(self.rate)?;
         if self.tau * self.rate > MOST_FRAMES {
             let cure = format!("give at most {:e} s, the time of {MOST_FRAMES} frames", MOST_FRAMES / self.rate);
             return Err(Error::invalid("tau", self.tau, cure));

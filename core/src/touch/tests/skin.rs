@@ -14,7 +14,7 @@ use crate::touch::{Channel, Membrane, felt_width, strength};
 fn frames_of_a_square_wave_have_its_harmonics() {
     // A square wave of 40 Hz between 0 and 1 has the amplitude 2/pi at 40 Hz, and a third of it at 120 Hz.
     for count in [2_usize, 60] {
-        let mut pushes = Pushes::new(count, 40.0 * count as f64, 3).expect("pushes");
+        let mut pushes = Pushes::new(count, 40.0 * count as f64, 3, &Control::none()).expect("pushes");
         let frames: Vec<f32> = (0..3 * count).map(|k| if k / 3 < count / 2 { 1.0 } else { 0.0 }).collect();
         let (early, late) = frames.split_at(3 * (count / 2));
         pushes.add(0, early, &mut Control::none()).expect("added");
@@ -30,7 +30,7 @@ fn frames_of_a_square_wave_have_its_harmonics() {
 #[test]
 fn a_line_is_the_amplitude_of_its_cosine() {
     let count = 64;
-    let mut pushes = Pushes::new(count, 6400.0, 1).expect("pushes");
+    let mut pushes = Pushes::new(count, 6400.0, 1, &Control::none()).expect("pushes");
     let frames: Vec<f32> = (0..count).map(|t| 3.0 + (TAU * t as f64 / 64.0 + 0.7).cos() as f32).collect();
     pushes.add(0, &frames, &mut Control::none()).expect("added");
     // Constant frames reduce the amplitude by sinc(1/64). Time 0 is the middle of the first frame.
@@ -42,15 +42,17 @@ fn a_line_is_the_amplitude_of_its_cosine() {
 
 #[test]
 fn frames_that_repeat_above_1_khz_have_no_line() {
-    let pushes = Pushes::new(2, 4000.0, 5).expect("pushes");
+    let pushes = Pushes::new(2, 4000.0, 5, &Control::none()).expect("pushes");
     assert!(pushes.frequencies().is_empty());
     let membrane = Membrane::new(6.0, 0.4, 6.4).expect("a membrane");
     let skin = Skin::on_plane(&membrane, &[], &[], [1, 5], [1e-3, 2e-3], &mut Control::none()).expect("a skin");
     assert_eq!((skin.displacement.len(), skin.fast), (0, vec![0.0; 5]));
-    for (count, rate, places) in [(0, 1.0, 1), (1, 0.0, 1), (1, f64::INFINITY, 1), (1, 1.0, 0)] {
-        assert!(Pushes::new(count, rate, places).is_err());
+    for (count, rate, places) in [(0, 1.0, 1), (1, 0.0, 1), (1, f64::INFINITY, 1), (1, 1.0, 0), (1, 1.0, 1 << 60)] {
+        assert!(Pushes::new(count, rate, places, &Control::none()).is_err());
     }
-    assert!(Pushes::new(4, 10.0, 2).expect("pushes").add(3, &[0.0; 4], &mut Control::none()).is_err());
+    assert!(
+        Pushes::new(4, 10.0, 2, &Control::none()).expect("pushes").add(3, &[0.0; 4], &mut Control::none()).is_err()
+    );
 }
 
 #[test]
