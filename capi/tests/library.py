@@ -34,7 +34,8 @@ class Library:
     def __init__(self, prefix: Path) -> None:
         header = (prefix / "include" / "midair.h").read_text("utf-8")
         self.abi = int(re.findall(r"^#define MIDAIR_ABI (\d+)$", header, re.MULTILINE)[0])
-        self.names = []
+        #: Each function's arguments as the header declares them.
+        self.arguments: dict[str, list[str]] = {}
         self._functions = CDLL(str(prefix / "lib" / "libmidair.so"))
         prototype = r"^([a-z][a-z0-9_ ]*?(?: \*| ))(midair_\w+)\(([^)]*)\);"
         for returned, name, arguments in re.findall(prototype, header, re.MULTILINE):
@@ -42,7 +43,7 @@ class Library:
             function.restype = RETURNED[returned if returned.endswith("*") else returned.strip()]
             words = [" ".join(argument.split()) for argument in arguments.split(",")]
             function.argtypes = [] if words == ["void"] else [kind(argument) for argument in words]
-            self.names.append(name)
+            self.arguments[name] = words
 
     def plain(self, name: str, *arguments: object) -> object:
         """Calls a function that cannot fail, and returns its result."""

@@ -1,5 +1,7 @@
 """Invalid requests: a result code, and one line that names the item, its value and the cure."""
 
+import itertools
+import re
 import threading
 from collections.abc import Callable, Iterator
 from types import SimpleNamespace
@@ -265,12 +267,33 @@ def test_a_message_is_cut_to_fit(library: Library, have: SimpleNamespace) -> Non
 
 
 def test_frees_take_null(library: Library) -> None:
-    frees = [name for name in library.names if name.endswith("_free")]
+    frees = [name for name in library.arguments if name.endswith("_free")]
     assert len(frees) == 3
     for name in frees:
         library.plain(name.removeprefix("midair_"), None)
     sizes = ("array_count", "board_frame_size", "board_silence_size")
     assert [library.plain(name, None) for name in sizes] == [0, 0, 0]
+
+
+def test_null_is_refused_whatever_the_sizes(library: Library, have: SimpleNamespace) -> None:
+    """Calls each function that can fail with NULL everywhere, then with its handle alone, and all sizes."""
+    handles = {"array": have.array, "session": have.session, "board": have.board}
+    nothing = {"size_t": (0, 1, 2**64 - 1), "double": (1.0,)}
+    fallible = {name: words[:-2] for name, words in library.arguments.items() if "char *message" in words}
+    assert len(fallible) > 20
+    for name, words in fallible.items():
+        given = [nothing.get(word.split()[0], (None,)) if "*" not in word else (None,) for word in words]
+        own = re.fullmatch(r"(?:const )?midair_(\w+) \*\w+", words[0])
+        if own:
+            given[0] = (None, handles[own[1]])
+        for arguments in itertools.product(*given):
+            result, message = library.call(name.removeprefix("midair_"), *arguments)
+            shown = name, arguments, message
+            # With a handle, a function may do nothing, as it does if nobody asks for positions.
+            harmless = own is not None and arguments[0] is not None
+            assert result in (INVALID, MEMORY) or (result == 0 and harmless), shown
+            assert bool(library.plain("last_code")) == bool(message) == bool(result), shown
+            assert "\n" not in message, shown
 
 
 def test_warnings_are_reported_once(library: Library, have: SimpleNamespace) -> None:
