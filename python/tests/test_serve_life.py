@@ -12,6 +12,7 @@ import random
 import socket
 import threading
 import time
+import traceback
 from collections.abc import Callable, Hashable
 from pathlib import Path
 from typing import Any
@@ -288,7 +289,11 @@ def history(stage: Stage, seed: int) -> tuple[str, float]:
         if player in ("page", "hand"):
             start(ENDING if end == "end" else ENDLESS)
         watch(0.1, again)
-        assert stage.becomes(True, LATE), shown
+        # The signs go on: a busy server would drop points that are older than its last sign of life.
+        until = time.monotonic() + LATE
+        while not stage.becomes(True, 0.02):
+            assert time.monotonic() < until, shown
+            watch(0.02, again)
         if end != "end":
             playing = threading.Thread(target=watch, args=(0.4, again))
             playing.start()
@@ -318,7 +323,7 @@ def test_no_real_history_leaves_a_board_emitting_and_none_silences_who_plays(tmp
     pytest.importorskip("websockets")
     pytest.importorskip("pythonosc")
     seeds = iter(range(REAL))
-    failed: list[BaseException] = []
+    failed: list[str] = []
     late: dict[str, list[float]] = {}
 
     def play(folder: Path) -> None:
@@ -329,8 +334,8 @@ def test_no_real_history_leaves_a_board_emitting_and_none_silences_who_plays(tmp
                 try:
                     end, after = history(stage, seed)
                     late.setdefault(end, []).append(after)
-                except BaseException as error:
-                    failed.append(error)
+                except BaseException:
+                    failed.append(f"history {seed}: {traceback.format_exc()}")
 
     threads = [
         threading.Thread(target=play, args=(tmp_path / str(k),)) for k in range(min(STAGES, REAL // 2))
@@ -343,4 +348,4 @@ def test_no_real_history_leaves_a_board_emitting_and_none_silences_who_plays(tmp
         print(
             f"{end}: off {np.median(each):.3f} s later than stated, at most {max(each):.3f} s, of {len(each)}"
         )
-    assert not failed, failed
+    assert not failed, "\n".join(failed)
