@@ -62,7 +62,7 @@ RATES: dict[str, Callable[[float], Any]] = {
 
 @pytest.mark.parametrize("name", RATES)
 def test_frames_per_second_have_one_bound(name: str) -> None:
-    (FOLDER / "rated").write_text("L1:0,0,0.01;\nL1:0,0.001,0.01;")
+    (FOLDER / "rated").write_text("L1:0,0,0.01;\nL1:0,0.001,0.01;", "utf-8")
     for rate in (1e-90, 9.9e-3, 1.01e7, 1e90):
         with pytest.raises(midair.SceneError, match=r"rate is .*: give 0\.01 to 1e7 frames a second$"):
             RATES[name](rate)
