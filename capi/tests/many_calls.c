@@ -90,6 +90,40 @@ static void solve_many(midair_session *session)
     refused(midair_session_solve_batch(session, points, NULL, NULL, MANY, 1, 3, drives, N, NULL, message, sizeof message));
 }
 
+/* Arrays made of others, a session with a motion, and a board of a session: the handles that `all` does not make itself. */
+static void move(void)
+{
+    static const char *const scene = "[array]\ngrid = { nx = 4, ny = 4, pitch = 0.01 }\n[motion]\nrate = 1000\n"
+                                     "[[motion.path]]\nkind = \"line\"\nstart = [0, 0, 0.1]\nend = [0.001, 0, 0.1]\nspeed = 0.5\n";
+    const double rotation[3] = {0.0, 0.0, 0.1}, translation[3] = {0.1, 0.0, 0.0};
+    double points[9];
+    midair_array *array, *moved, *joined, *none;
+    const midair_array *both[2];
+    midair_session *session;
+    midair_board *board;
+    midair_motion motion;
+    midair_link link;
+    midair_complex drives[48];
+    granted(midair_array_board("nano16", &array, message, sizeof message));
+    granted(midair_array_moved(array, rotation, 3, translation, &moved, message, sizeof message));
+    both[0] = array;
+    both[1] = moved;
+    granted(midair_array_join(both, 2, &joined, message, sizeof message));
+    refused(midair_array_join(both, 0, &none, message, sizeof message));
+    granted(midair_session_open(scene, NULL, &session, message, sizeof message));
+    granted(midair_session_motion(session, &motion, message, sizeof message));
+    granted(midair_session_frames(session, 0, 3, points, NULL, message, sizeof message));
+    granted(midair_session_follow(session, 0, 3, drives, 16, message, sizeof message));
+    refused(midair_session_follow(session, 0, 3, drives, 15, message, sizeof message));
+    granted(midair_board_of_session("nano16", session, &board, message, sizeof message));
+    granted(midair_board_link(board, &link, message, sizeof message));
+    midair_board_free(board);
+    midair_session_free(session);
+    midair_array_free(joined);
+    midair_array_free(moved);
+    midair_array_free(array);
+}
+
 static void all(size_t call)
 {
     const double point[3] = {0.0, 0.0, 0.12}, nowhere[3] = {0.0, NAN, 0.12}, ones[N] = {1.0};
@@ -113,6 +147,7 @@ static void all(size_t call)
     granted(midair_session_field(session, drive, N, point, 1, &pressure, message, sizeof message));
     if (call % 10 == 0) {
         solve_many(session);
+        move();
     }
     granted(midair_board_new("mega64", N, &board, message, sizeof message));
     granted(midair_board_encode(board, drive, N, bytes, midair_board_frame_size(board), message, sizeof message));
