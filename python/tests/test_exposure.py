@@ -61,11 +61,13 @@ def test_the_worst_of_a_box_is_within_2_db_of_400_places_kept_out() -> None:
         assert spl(moduli(drive, place))[0] == pytest.approx(found.spl, abs=2e-3)
 
 
-def test_a_focus_in_a_box_is_found_where_it_is() -> None:
+@pytest.mark.parametrize("flat", [[], [2], [0, 2]], ids=["box", "plane", "line"])
+def test_a_focus_in_a_box_is_found_where_it_is(flat: list[int]) -> None:
     point = np.array([0.013, -0.021, 0.2])
     scene = midair.Scene(ARRAY, [point])
     drive = midair.solve(scene, "naive").drive
     box = np.array([[-0.03, -0.02, 0], [0.017, 0.05, 0.04]]) + point
+    box[:, flat] = point[flat]
     found = midair.exposure(scene, drive, {"box": box}).worst
     assert found.spl >= spl(moduli(drive, point[None]))[0] - 0.01
     np.testing.assert_allclose(found.position[:2], point[:2], atol=2e-3)

@@ -31,7 +31,7 @@ from websockets.sync.client import connect
 
 from midair._cli.serve import serve_command
 from midair._serve.life import SILENCE
-from midair._serve.live import Live
+from midair._serve.live import Frame, Live, Wanted
 from midair._serve.messages import obey
 from midair._serve.server import PointServer
 
@@ -240,6 +240,58 @@ def test_a_path_that_is_too_short_in_time_is_refused(server: PointServer) -> Non
     circle = {"kind": "circle", "center": POINT, "radius": 1e-5, "frequency": 1e308}
     with pytest.raises(midair.SceneError, match=r"path\.duration is .*: give a number of at least 0\.001"):
         obey(server._live, "me", json.dumps({"path": circle}))
+
+
+def test_an_open_path_stays_at_its_end_and_a_closed_one_repeats(
+    server: PointServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wanted: list[Wanted] = []
+    monkeypatch.setattr(server._live, "play", wanted.append)
+    line = midair.path.line(POINT, [0.02, 0, 0.1], speed=0.1)
+    for path in (line, midair.path.line(POINT, [0.02, 0, 0.1], speed=0.1, there_and_back=True)):
+        server._live.follow("me", path)
+    places = [[each.at(time).points[0][0] for time in (0.1, 0.2, 0.35, 0.45)] for each in wanted]
+    np.testing.assert_allclose(places, [[0.01, 0.02, 0.02, 0.02], [0.01, 0.02, 0.005, 0.005]], atol=1e-12)
+
+
+@pytest.mark.slow
+def test_metrics_are_of_what_the_board_emits() -> None:
+    point = np.array([POINT])
+    with midair.connect("sonicsurface:null", hold=SILENCE) as board:
+        live, begin, reached = Live(board), time.monotonic(), []
+        while not reached:
+            assert time.monotonic() - begin < 5
+            with live.life() as life:
+                life.sign("me", time.monotonic())
+            # The board has one amplitude, and plays louder than requested.
+            live.play(Wanted("me", lambda time: Frame(point, loudness=0.7), constant=True))
+            time.sleep(0.02)
+            reached = live.metrics()["pressures"]
+        gains = midair.Scene(board.board.array, point).propagation()[0]
+        assert reached == pytest.approx([abs(gains @ board.emitting)], rel=1e-3)
+        live.close()
+
+
+@pytest.mark.slow
+def test_a_board_that_is_connected_again_is_modulated_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    def lost(drive: Any) -> None:
+        raise midair.BoardLost("it is gone")
+
+    with midair.connect("null", hold=SILENCE) as first, midair.connect("null", hold=SILENCE) as second:
+        waves: list[tuple[str, Any]] = []
+        monkeypatch.setattr(first, "send", lost)
+        for name, board in (("first", first), ("second", second)):
+            monkeypatch.setattr(board, "modulate", lambda wave, name=name: waves.append((name, wave)))
+        live, begin = Live(first, again=lambda: second), time.monotonic()
+        live.modulate(200.0)
+        while live.connection is not second or len(waves) < 2:
+            assert time.monotonic() - begin < 5, waves
+            with live.life() as life:
+                life.sign("me", time.monotonic())
+            live.place("me", np.array([POINT]))
+            time.sleep(0.02)
+        assert waves == [("first", 200.0), ("second", 200.0)]
+        live.close()
 
 
 @pytest.mark.slow
