@@ -43,7 +43,7 @@ def test_what_cannot_be_moved_or_joined_is_one_line(library: Library) -> None:
     board, paper = library.new("array_preset", "autd3", 1, 1), library.new("array_preset", "paper20", 1, 1)
     place = np.zeros(1, np.uintp)
     for call, reported in (
-        (("array_join", handles(board, paper), 2), "arrays[1] is of another frequency or air than arrays[0]"),
+        (("array_join", handles(board, paper), 2), "arrays[1] is of another frequency or air than the first"),
         (("array_join", None, 0), "arrays is empty: give at least one array"),
         (("array_join", np.zeros(1, np.uintp), 1), "arrays is NULL"),
         (("array_moved", board, np.ones(9), 9, None), "give orthonormal rows of determinant 1"),

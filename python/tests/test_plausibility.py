@@ -44,6 +44,8 @@ SLIPS: dict[str, tuple[Callable[[], object], str]] = {
         "points[0].pressure is 0.5 Pa, 0 m from points[1]",
     ),
     "plane": (lambda: midair.Plane(z=150, size=100), "plane.z is 150 m"),
+    "plane's size": (lambda: midair.Plane(z=0.15, size=100), "plane.size is 100 m"),
+    "plane's center": (lambda: midair.Plane(z=0.15, size=0.1, center=(0, 20)), "plane.center is 20 m"),
     "solver": (lambda: midair.Solver(ARRAY, "fast", frequency=40), "medium.frequency is 40 Hz"),
     "of a scene": (lambda: midair.Solver(scene(), frequency=40), "medium.frequency is 40 Hz"),
     "batch": (lambda: batch(POINTS[None], temperature=298), "medium.sound_speed is 479.1 m/s"),
