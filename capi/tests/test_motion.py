@@ -106,6 +106,14 @@ def test_what_a_motion_has_not_is_refused(library: Library, what: str) -> None:
     library.plain("session_free", session)
 
 
+def test_an_option_leaves_the_motion_as_it_is(library: Library) -> None:
+    session, motion = library.new("session_open", FILES["circle"], None), np.zeros(1, MOTION)
+    library.done("session_set_number", session, "steps", 3.0)
+    library.done("session_motion", session, motion)
+    assert motion[0].tolist() == (50, 2, 1000.0, 1)
+    library.plain("session_free", session)
+
+
 def test_what_is_no_motion_is_refused(library: Library) -> None:
     text = '[array]\npreset = "autd3"\n[[points]]\nposition = [0.0, 0.0, 0.15]\n'
     session = library.new("session_open", text, None)

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pyarrow import parquet
 
 import midair
 from midair._cli.sweep import drives_of
@@ -170,6 +171,15 @@ def test_a_changed_bit_of_a_file_is_found_and_the_file_made_anew(copied: Path) -
     file.write_bytes(whole[: len(whole) // 2])
     with pytest.raises(midair.SceneError, match=f'{FILE}" is damaged: the call that made'):
         midair.Dataset(copied).judge(np.zeros((4, 256)))
+    midair.dataset({**REQUEST, "seeds": 20}, copied)
+    assert file.read_bytes() == whole
+
+
+def test_a_file_of_another_build_is_made_anew(copied: Path) -> None:
+    file = copied / FILE
+    whole, table = file.read_bytes(), parquet.read_table(file)
+    other = {**table.schema.metadata, b"midair": b"another build"}
+    parquet.write_table(table.replace_schema_metadata(other), file)
     midair.dataset({**REQUEST, "seeds": 20}, copied)
     assert file.read_bytes() == whole
 

@@ -13,7 +13,7 @@ import pytest
 
 import midair
 from midair._midair import Membrane
-from midair._touch.schedule import Foci
+from midair._touch.schedule import Curve, Foci
 
 ARRAY = midair.Array.preset("autd3")
 Z = 0.15
@@ -189,6 +189,20 @@ def test_the_bound_is_kept_and_a_slow_board_has_its_frames() -> None:
 def test_what_is_no_shape_is_refused_in_one_line(ask: Callable[[], Any], reported: str) -> None:
     with pytest.raises(midair.SceneError, match=reported):
         ask()
+
+
+def test_a_path_says_itself_whether_it_is_closed() -> None:
+    ring = Curve.of(midair.path.circle([0, 0, 0.1], 0.02, frequency=1), False)
+    line = Curve.of(midair.path.line([0, 0, 0.1], [0.05, 0, 0.1], speed=1), True)
+    assert (ring.closed, line.closed) == (True, False)
+    assert ring.length == pytest.approx(2 * np.pi * 0.02, rel=1e-5)
+    assert line.length == pytest.approx(0.05, rel=1e-3)
+    # From the last place of a closed curve to its first is a step like the others.
+    steps = np.linalg.norm(np.roll(ring.places, -1, axis=0) - ring.places, axis=1)
+    assert steps == pytest.approx(ring.length / len(ring.places), rel=1e-2)
+    last = len(line.places) - 1
+    assert line.index(np.array([0, 1, 1.25, 2])).tolist() == [0, last, np.rint(0.75 * last), 0]
+    assert ring.index(np.array([0, 1, 4 / 3])).tolist() == [0, 0, len(ring.places) // 3]
 
 
 def test_a_solution_is_modulated_by_a_shape_or_by_samples() -> None:

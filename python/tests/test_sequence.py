@@ -224,6 +224,13 @@ def test_names_of_solvers_ignore_case(board, ring):
     assert found.metrics.largest_change <= 0.05
 
 
+def test_a_jump_from_the_last_frame_to_the_first_is_reported_of_closed_paths() -> None:
+    array, frames = midair.Array.grid(8, 8, 10e-3), np.arange(21)[:, None, None] * [2e-4, 0, 0] + [0, 0, 0.1]
+    midair.sequence(array, midair.path.from_array(frames, rate=1e3), rate=1e3)
+    with pytest.warns(midair.SceneWarning, match=r"^4 m/s needs"):
+        midair.sequence(array, midair.path.from_array(frames, rate=1e3, closed=True), rate=1e3)
+
+
 def test_units_taken_for_others_are_reported_once():
     with warnings.catch_warnings(record=True) as reported:
         warnings.simplefilter("always")
