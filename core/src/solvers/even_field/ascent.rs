@@ -17,6 +17,10 @@ use crate::solvers::even_field::even::{MOST_ROTATION, Manner};
 use crate::solvers::even_field::newton::{Level, Metric, Newton};
 use crate::solvers::even_field::run::Run;
 
+/// See [`Metric`]. Most transducers are below this bound, so the metric is nearly 1: beside quiet points this raises the
+/// level, because fields become even sooner.
+const LEAST_CURVATURE: f32 = 1.5;
+
 /// The course of the damping mu, relative to the mean diagonal entry of J D^-1 J^T.
 #[derive(Clone, Copy)]
 pub(super) struct Pace {
@@ -27,7 +31,7 @@ pub(super) struct Pace {
     /// The least damping. With less damping, a step would follow parts of the field that have no effect, or the noise
     /// of f32.
     least: f32,
-    pub(super) steps: usize,
+    steps: usize,
 }
 
 impl Pace {
@@ -36,10 +40,6 @@ impl Pace {
     pub(super) const SHORT: Self = Self { damping: 1e-2, shrink: 0.5, least: 1e-4, steps: 22 };
     /// The pace for many targets.
     pub(super) const LONG: Self = Self { damping: 1.0, shrink: 0.93, least: 1e-5, steps: 160 };
-    /// The first quarter of [`Self::LONG`]. After it the weakest point shows the final level within 3 %.
-    pub(super) const FIRST: Self = Self { steps: 40, ..Self::LONG };
-    /// The rest of [`Self::LONG`]. The damping is .93^40 of the first one.
-    pub(super) const REST: Self = Self { damping: 0.0549, steps: 120, ..Self::LONG };
 
     /// Returns how the field is made even after the ascent, for its level and an allowed leak.
     pub(super) fn manner(self, level: f32, quiet: f32) -> Manner {
@@ -54,7 +54,7 @@ impl Pace {
 pub(super) fn climb<'w>(run: &mut Run<'_, '_, 'w>, pace: Pace, wave: &mut Wave<'w>) -> Result<(), Error> {
     let (rows, work) = (run.rows, run.work);
     let mut newton = Newton::new(run.problem, rows, run.plan.quiet, work, run.control)?;
-    let mut metric = Metric::new(rows, work);
+    let mut metric = Metric::new(rows, LEAST_CURVATURE, work);
     let mut trial = Wave::new(rows, work);
     let mut multipliers = work.floats.take(newton.dual.lanes());
     multipliers[..rows.targeted].fill(1.0 / rows.targeted as f32);

@@ -28,9 +28,6 @@ const WITHIN: f32 = 0.3;
 /// Weights below this count as 0.
 const LEAST_WEIGHT: f32 = 1e-6;
 
-/// Lower bound of the curvature D_i, relative to the mean. It limits the rotation of transducers of little effect.
-const LEAST_CURVATURE: f32 = 0.1;
-
 /// The level that a step aims at, or the sum of its multipliers over the targeted points.
 #[derive(Clone, Copy)]
 pub(crate) enum Level {
@@ -212,6 +209,8 @@ impl<'w> Newton<'w> {
 /// D^-1/2 of every transducer: a rotation d_i of the drive q_i lowers sum_j y_j |P_j| by D_i d_i^2/2, with
 /// D_i = Re(q_i sum_j y_j conj(P_j/|P_j|) G_ji).
 pub(super) struct Metric<'w> {
+    /// Lower bound of D_i, relative to the mean. It limits the rotation of transducers of little effect.
+    least: f32,
     pub(super) roots: Buffer<'w, f32>,
     /// y_j P_j/|P_j| over the rows j, with the multipliers y.
     pulls: [Buffer<'w, f32>; 2],
@@ -220,8 +219,9 @@ pub(super) struct Metric<'w> {
 }
 
 impl<'w> Metric<'w> {
-    pub(super) fn new(rows: &Rows, work: &'w Workspace) -> Self {
+    pub(super) fn new(rows: &Rows, least: f32, work: &'w Workspace) -> Self {
         Self {
+            least,
             roots: work.floats.take(rows.lanes),
             pulls: [(); 2].map(|()| work.floats.take(rows.count)),
             sums: [(); 2].map(|()| work.floats.take_any(rows.lanes)),
@@ -241,7 +241,7 @@ impl<'w> Metric<'w> {
             self.roots[i] = curvature(i).abs();
             mean += self.roots[i] / rows.lanes as f32;
         }
-        let least = (LEAST_CURVATURE * mean).max(f32::MIN_POSITIVE);
+        let least = (self.least * mean).max(f32::MIN_POSITIVE);
         self.roots.iter_mut().for_each(|root| *root = 1.0 / sqrtf(root.max(least)));
     }
 }

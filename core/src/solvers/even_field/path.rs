@@ -40,6 +40,9 @@ impl Course {
 /// rho at the end of the first part.
 pub(super) const CULL: f32 = 0.03;
 
+/// See [`Metric`]. With a larger bound crowded points lose level.
+const LEAST_CURVATURE: f32 = 0.1;
+
 /// Largest number of steps of a course, and at its last rho.
 const STEPS: usize = 250;
 const LAST_STEPS: usize = 30;
@@ -65,7 +68,7 @@ pub(super) fn reserve(run: &mut Run) -> Result<(), Error> {
     let newton = Newton::new(run.problem, run.rows, run.plan.quiet, run.work, run.control)?;
     let matrices = [(); 4].map(|()| run.work.floats.take_any(newton.dual.matrix.len()));
     let vectors = [(); 4].map(|()| run.work.floats.take(newton.dual.lanes()));
-    drop((Metric::new(run.rows, run.work), matrices, vectors));
+    drop((Metric::new(run.rows, LEAST_CURVATURE, run.work), matrices, vectors));
     Ok(())
 }
 
@@ -81,7 +84,7 @@ pub(super) fn follow<'w>(
 ) -> Result<Course, Error> {
     let (rows, work) = (run.rows, run.work);
     let mut newton = Newton::new(run.problem, rows, run.plan.quiet, work, run.control)?;
-    let mut metric = Metric::new(rows, work);
+    let mut metric = Metric::new(rows, LEAST_CURVATURE, work);
     let mut trial = Wave::new(rows, work);
     let mut multipliers = work.floats.take(newton.dual.lanes());
     let (mut rho, mut tau, mut renew, mut ended) = (course.from, TAU, true, 0);

@@ -38,9 +38,6 @@ pub(super) const NEARLY: f32 = 1e-3;
 /// level.
 const CLOSE: f32 = 4.8e-3;
 
-/// An even field is rejected if it is below this part of an uneven field's weakest point.
-const FAINT: f32 = 0.4;
-
 /// Weighted sweeps from the starts of crowded points.
 const SWEEPS: usize = 30;
 
@@ -214,7 +211,7 @@ impl<'w> Search<'w> {
         let level = self.trial.level(run.rows);
         polish(run, pace.manner(level, run.plan.quiet), &mut self.trial)?;
         let alone = run.rows.targeted == run.rows.order.len();
-        let even = self.unevenness(run) <= run.plan.tolerance.max(if alone { CLOSE } else { 2.0 * NEARLY });
+        let even = self.unevenness(run) <= run.plan.tolerance.max(if alone { CLOSE } else { 3.0 * NEARLY });
         self.offer(run.rows, even);
         Ok(())
     }
@@ -232,19 +229,15 @@ impl<'w> Search<'w> {
         drive: Option<&[Complex32]>,
     ) -> Result<(), Error> {
         let (rows, work) = (run.rows, run.work);
-        let alone = rows.targeted == rows.order.len();
         let mut ahead = Leaders::new();
-        run.plan = if alone { plan } else { plan.for_quiet() };
+        run.plan = Plan { sweeps: SWEEPS, ..plan };
         match drive {
             Some(drive) => self.trial.play_at_full(rows, drive.iter().copied()),
             None => self.trial.copy(&self.best),
         }
         self.set_out(run, &mut ahead)?;
-        let starts = Starts::new(run.problem, rows, foci, &run.plan, work, run.control);
+        let starts = Starts::new(run.problem, rows, foci, &plan, work, run.control);
         let Some(starts) = run.unless_stopped(starts)? else { return self.arrive(run, &ahead) };
-        if alone {
-            run.plan.sweeps = SWEEPS;
-        }
         for start in 0..starts.count {
             if run.stopped {
                 break;
@@ -252,7 +245,7 @@ impl<'w> Search<'w> {
             raise(run, &starts, start, &mut self.trial);
             self.set_out(run, &mut ahead)?;
         }
-        if run.problem.has_start() || !alone || run.stopped {
+        if run.problem.has_start() || run.stopped {
             return self.arrive(run, &ahead);
         }
         for &place in plan.cones() {
@@ -279,14 +272,9 @@ impl<'w> Search<'w> {
         if run.stopped {
             return Ok(());
         }
-        let merit = if run.rows.targeted < run.rows.order.len() {
-            climb(run, Pace::FIRST, &mut self.trial)?;
-            self.trial.lowest(run.rows)
-        } else {
-            path::follow(run, Course::FIRST, CLOSE, &mut self.trial)?;
-            let newton = Newton::new(run.problem, run.rows, run.plan.quiet, run.work, run.control)?;
-            path::merit(&newton, run, &self.trial, CULL) as f32
-        };
+        path::follow(run, Course::FIRST, CLOSE, &mut self.trial)?;
+        let newton = Newton::new(run.problem, run.rows, run.plan.quiet, run.work, run.control)?;
+        let merit = path::merit(&newton, run, &self.trial, CULL) as f32;
         ahead.offer(&self.trial, merit, run.plan.leaders(), run.rows, run.work);
         Ok(())
     }
@@ -294,13 +282,9 @@ impl<'w> Search<'w> {
     /// Follows the rest of the path from the fields `ahead`, and offers those that are even at its end. A plan that is not
     /// wide makes a field closer to even if it can.
     fn arrive(&mut self, run: &mut Run<'_, '_, 'w>, ahead: &Leaders<'w>) -> Result<(), Error> {
-        let (rows, alone) = (run.rows, run.rows.targeted == run.rows.order.len());
+        let rows = run.rows;
         for wave in ahead.fields() {
             self.trial.copy(wave);
-            if !alone {
-                self.climb_on(run, Pace::REST)?;
-                continue;
-            }
             let course = if run.plan.wide { Course::SLOW_REST } else { Course::REST };
             let rest = path::follow(run, course, CLOSE, &mut self.trial)?;
             if !run.plan.wide && self.unevenness(run) <= CLOSE {
@@ -311,9 +295,7 @@ impl<'w> Search<'w> {
                     core::mem::swap(&mut self.trial, &mut close);
                 }
             }
-            // An uneven field is better than an even field that is much weaker.
-            let even = self.unevenness(run) <= run.plan.tolerance.max(CLOSE);
-            if even && (self.even || self.trial.lowest(rows) >= FAINT * self.lowest) {
+            if self.unevenness(run) <= run.plan.tolerance.max(CLOSE) {
                 self.offer(rows, true);
             }
         }

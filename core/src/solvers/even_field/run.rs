@@ -53,11 +53,6 @@ impl Plan {
         Self { starts: 16, finalists: 2, ..*self }
     }
 
-    /// Returns the plan with more starts for targets among crowded quiet points.
-    pub(super) fn for_quiet(&self) -> Self {
-        Self { starts: self.starts.max(16), finalists: (2 * self.finalists).max(4), wide: true, ..*self }
-    }
-
     /// Returns the number of starts with random drives: where points fill a volume, the loudest fields are not near
     /// smooth ones.
     pub(super) fn random(&self) -> usize {
