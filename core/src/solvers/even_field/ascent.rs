@@ -14,16 +14,15 @@
 use crate::prelude::*;
 use crate::solvers::common::tiled::Wave;
 use crate::solvers::even_field::even::{MOST_ROTATION, Manner};
-use crate::solvers::even_field::newton::{Level, Metric, Newton};
+use crate::solvers::even_field::newton::{LEAST_CURVATURE, Level, Metric, Newton};
 use crate::solvers::even_field::run::Run;
-
-/// See [`Metric`]. Most transducers are below this bound, so the metric is nearly 1: beside quiet points this raises the
-/// level, because fields become even sooner.
-const LEAST_CURVATURE: f32 = 1.5;
 
 /// The course of the damping mu, relative to the mean diagonal entry of J D^-1 J^T.
 #[derive(Clone, Copy)]
 pub(super) struct Pace {
+    /// The lower bound of the [`Metric`]. Beside quiet points most transducers are below it: their fields become even
+    /// sooner, at a level that is 1 % higher. Crowded targets would lose level.
+    curvature: f32,
     /// The damping of the first step.
     damping: f32,
     /// The factor of the damping from step to step.
@@ -37,9 +36,10 @@ pub(super) struct Pace {
 impl Pace {
     /// The pace for a few targets. Beside a disc of 172 quiet points a least damping of 1e-5 loses 4 % of the level. With
     /// 1e-3 the quiet points leak twice as much.
-    pub(super) const SHORT: Self = Self { damping: 1e-2, shrink: 0.5, least: 1e-4, steps: 22 };
+    pub(super) const SHORT: Self = Self { curvature: 1.5, damping: 1e-2, shrink: 0.5, least: 1e-4, steps: 22 };
     /// The pace for many targets.
-    pub(super) const LONG: Self = Self { damping: 1.0, shrink: 0.93, least: 1e-5, steps: 160 };
+    pub(super) const LONG: Self =
+        Self { curvature: LEAST_CURVATURE, damping: 1.0, shrink: 0.93, least: 1e-5, steps: 160 };
 
     /// Returns how the field is made even after the ascent, for its level and an allowed leak.
     pub(super) fn manner(self, level: f32, quiet: f32) -> Manner {
@@ -54,7 +54,7 @@ impl Pace {
 pub(super) fn climb<'w>(run: &mut Run<'_, '_, 'w>, pace: Pace, wave: &mut Wave<'w>) -> Result<(), Error> {
     let (rows, work) = (run.rows, run.work);
     let mut newton = Newton::new(run.problem, rows, run.plan.quiet, work, run.control)?;
-    let mut metric = Metric::new(rows, LEAST_CURVATURE, work);
+    let mut metric = Metric::new(rows, pace.curvature, work);
     let mut trial = Wave::new(rows, work);
     let mut multipliers = work.floats.take(newton.dual.lanes());
     multipliers[..rows.targeted].fill(1.0 / rows.targeted as f32);

@@ -28,6 +28,9 @@ const WITHIN: f32 = 0.3;
 /// Weights below this count as 0.
 const LEAST_WEIGHT: f32 = 1e-6;
 
+/// The usual lower bound of a [`Metric`].
+pub(super) const LEAST_CURVATURE: f32 = 0.1;
+
 /// The level that a step aims at, or the sum of its multipliers over the targeted points.
 #[derive(Clone, Copy)]
 pub(crate) enum Level {

@@ -15,7 +15,7 @@
 
 use crate::prelude::*;
 use crate::solvers::common::tiled::Wave;
-use crate::solvers::even_field::newton::{Level, Metric, Newton};
+use crate::solvers::even_field::newton::{LEAST_CURVATURE, Level, Metric, Newton};
 use crate::solvers::even_field::run::Run;
 
 /// The values of rho: from the first to the last one by a factor.
@@ -39,9 +39,6 @@ impl Course {
 
 /// rho at the end of the first part.
 pub(super) const CULL: f32 = 0.03;
-
-/// See [`Metric`]. With a larger bound crowded points lose level.
-const LEAST_CURVATURE: f32 = 0.1;
 
 /// Largest number of steps of a course, and at its last rho.
 const STEPS: usize = 250;
