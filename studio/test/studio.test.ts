@@ -62,8 +62,8 @@ test("what depends on other parts of the state changes with them", () => {
 });
 
 test("undo drops what belongs to another state, and only that", () => {
-  let heard = 0;
-  studio.listen(() => (heard += 1));
+  let calls = 0;
+  studio.listen(() => (calls += 1));
   studio.change({ scale: initial.scale === "decibel" ? "linear" : "decibel" });
   studio.view.bound = 0.5;
   studio.show(shown);
@@ -73,10 +73,10 @@ test("undo drops what belongs to another state, and only that", () => {
   expect([studio.view.frame, studio.view.bound]).toEqual([null, null]);
   studio.view.bound = 0.5;
   studio.show(shown);
-  heard = 0;
+  calls = 0;
   studio.undo();
   expect([studio.view.frame, studio.view.bound]).toEqual([null, null]);
-  expect(heard).toBeGreaterThan(0);
+  expect(calls).toBeGreaterThan(0);
 });
 
 test("keys are one gesture until a pause, and the first of many states stays", () => {
