@@ -1,6 +1,7 @@
 """Settings of the test run: one BLAS thread, and a limit of CPU time for tests that are not marked slow."""
 
 import importlib
+import inspect
 import json
 import os
 import re
@@ -11,7 +12,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from types import ModuleType
+from types import FunctionType, ModuleType
 
 import pytest
 
@@ -88,7 +89,50 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
     return result
 
 
+if sys.platform == "win32":
+    # Every test of these ends processes by signals, or reads /proc.
+    collect_ignore = [
+        "test_boards_guard.py",
+        "test_boards_owner.py",
+        "test_boards_watcher.py",
+        "test_serve_strangers.py",
+    ]
+
+#: Parts of POSIX that Windows lacks, or, as links, forbids its users.
+POSIX = re.compile(
+    r"\bos\.(fork|kill|mkfifo|openpty|waitpid)\b|\b(hard|sym)link_to\b|\bimport resource\b|\bchmod\b"
+    r"|send_signal|\bSIG(CONT|HUP|KILL|STOP|TSTP)\b|\bLine\b(?=\()|/proc/|/dev/(full|null|zero)|#!/bin/|\"bash\""
+)
+
+
+def needs_posix(item: pytest.Function) -> str:
+    """Returns the part of POSIX that the source of a test names, "" if none; also that of its fixtures, and
+    of functions and texts of its module.
+    """
+    fixtures = [found[-1].func for found in item._fixtureinfo.name2fixturedefs.values()]
+    left, seen = [item.function, *fixtures], []
+    while left:
+        part = left.pop()
+        if part in seen:
+            continue
+        seen.append(part)
+        if found := POSIX.search(part if isinstance(part, str) else inspect.getsource(part)):
+            return found[0]
+        if isinstance(part, FunctionType):
+            named = [part.__globals__.get(name) for name in part.__code__.co_names]
+            left += [each for each in named if isinstance(each, str) or _is_own(each, part)]
+    return ""
+
+
+def _is_own(value: object, function: FunctionType) -> bool:
+    return isinstance(value, FunctionType) and value.__globals__ is function.__globals__
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    if sys.platform == "win32":
+        for item in items:
+            if isinstance(item, pytest.Function) and (part := needs_posix(item)):
+                item.add_marker(pytest.mark.skip(reason=f"needs POSIX: {part}"))
     if os.environ.get("MIDAIR_SLOW") != "1":
         for item in items:
             if item.get_closest_marker("long"):
@@ -134,5 +178,5 @@ def dark(request: pytest.FixtureRequest) -> Callable[..., AbstractContextManager
 def cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Sets the cache folder of solved meshes to a folder of this test run, and returns its path."""
     folder = tmp_path_factory.getbasetemp() / "cache"
-    monkeypatch.setenv("XDG_CACHE_HOME", str(folder))
+    monkeypatch.setenv("LOCALAPPDATA" if os.name == "nt" else "XDG_CACHE_HOME", str(folder))
     return folder

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 import threading
 import time
@@ -262,7 +261,7 @@ def test_ctrl_c_is_noticed_and_keeps_the_trials_that_are_done(
 
     def press() -> None:
         pressed.append(time.monotonic())
-        os.kill(os.getpid(), signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
 
     press_soon = threading.Timer(1, press)
     press_soon.start()
