@@ -96,8 +96,7 @@ def test_traps_without_a_pressure_are_what_the_foci_leave() -> None:
     with pytest.warns(midair.SceneWarning, match="missed by"):
         loud = midair.solve(scene, pressures=[0.0, 20000.0, 0.0])
     assert loud.status == "missed"
-    # A focus beyond reach pushes the beads, which the traps answer with some of its pressure.
-    assert abs(loud.pressures[1]) > 0.94 * scene.reach().alone[1]
+    assert abs(loud.pressures[1]) > 0.99 * scene.reach().alone[1]
 
 
 @pytest.mark.slow

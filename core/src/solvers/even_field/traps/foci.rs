@@ -6,7 +6,8 @@
 //! ```
 //!
 //! This is an augmented Lagrangian (Nocedal and Wright 2006, chapter 17.3). Without the multipliers y the traps would
-//! change each pressure until the slope of their stiffness equals w v_j.
+//! change each pressure until the slope of their stiffness equals w v_j. If a stage does not bring the foci nearer, w
+//! grows: a focus beyond reach comes as near its pressure as the array can.
 
 use crate::prelude::*;
 use crate::problem::Problem;
@@ -15,6 +16,8 @@ use crate::propagation::forces::stiffness::Stiffness;
 /// The weight w of the module's head: an error of 2 % in the pressure of a focus costs as much as two hundredths of the
 /// stiffness of the softest trap.
 const WEIGHT: f64 = 100.0;
+/// The factor of w after a stage that does not bring the foci nearer.
+const HEAVIER: f64 = 10.0;
 
 /// The pressures that foci keep, in the order of [`Stiffness::foci`].
 #[derive(Clone, Default)]
@@ -22,6 +25,9 @@ pub(super) struct FixedFoci {
     /// p_j in units of the reference, and the divisor of |P_j| - p_j in v_j.
     targets: Vec<[f64; 2]>,
     multipliers: Vec<f64>,
+    /// w, and the largest |v| after the last stage.
+    weight: f64,
+    last: f64,
 }
 
 /// The error v of a focus (see the module's head), and its derivatives by Re P and Im P.
@@ -38,7 +44,7 @@ impl FixedFoci {
         let foci = traps.chosen()[1].iter().map(|&j| level * f64::from(problem.targets()[j]));
         let largest = foci.clone().fold(0.0, f64::max);
         let targets: Vec<_> = foci.map(|target| [target, if target > 0.0 { target } else { largest }]).collect();
-        Self { multipliers: vec![0.0; targets.len()], targets }
+        Self { multipliers: vec![0.0; targets.len()], targets, weight: WEIGHT, last: f64::INFINITY }
     }
 
     /// Returns the error of each focus in a field.
@@ -51,21 +57,24 @@ impl FixedFoci {
 
     /// Returns E for the errors v of all foci.
     pub(super) fn cost(&self, off: impl Iterator<Item = f64>) -> f64 {
-        off.zip(&self.multipliers).map(|(off, y)| (y + WEIGHT / 2.0 * off) * off).sum()
+        off.zip(&self.multipliers).map(|(off, y)| (y + self.weight / 2.0 * off) * off).sum()
     }
 
     /// Returns each focus with dE/dv.
     pub(super) fn pulled(&self, foci: impl Iterator<Item = Off>) -> impl Iterator<Item = (Off, f64)> {
         foci.zip(&self.multipliers).map(|(focus, y)| {
-            let slope = y + WEIGHT * focus.part;
+            let slope = y + self.weight * focus.part;
             (focus, slope)
         })
     }
 
-    /// Updates the multipliers; returns the largest |v|.
+    /// Updates the multipliers and w; returns the largest |v|.
     pub(super) fn learn(&mut self, stiffness: &Stiffness, field: [&[f32]; 2]) -> f64 {
         let off: Vec<f64> = self.off(stiffness, field).map(|focus| focus.part).collect();
-        self.multipliers.iter_mut().zip(&off).for_each(|(y, off)| *y += WEIGHT * off);
-        off.iter().fold(0.0, |most, off| most.max(off.abs()))
+        self.multipliers.iter_mut().zip(&off).for_each(|(y, off)| *y += self.weight * off);
+        let most = off.iter().fold(0.0, |most: f64, off| most.max(off.abs()));
+        self.weight *= if most < self.last { 1.0 } else { HEAVIER };
+        self.last = most;
+        most
     }
 }
