@@ -148,6 +148,37 @@ def test_pictures_show_where_they_are() -> None:
     assert first == [(60, 0), (0, 100)]
 
 
+def test_boards_that_reflect_are_mirrors_in_the_planes_of_their_transducers(tmp_path: Path) -> None:
+    pytest.importorskip("scipy")
+    preset = "openmpd_pair"
+    bare, half = (midair.Array.preset(preset, response=np.ones(512), reflecting=r) for r in (0, 0.5))
+    points = [[0.0, 0.0, 0.0], [0.03, -0.01, 0.05]]
+    scene = midair.Scene(half, points)
+    places, normals, gap = bare.positions.copy(), bare.normals.copy(), 0.2365
+    expected = np.zeros((2, 512), complex)
+    for bounces in range(4):
+        expected += 0.5**bounces * direct(midair.Scene(bare, points), places, normals, points)
+        # Each wave goes to the board that it faces, and comes back as if from behind that board.
+        places[:, 2] = normals[:, 2] * gap - places[:, 2]
+        normals = normals * [1, 1, -1]
+    np.testing.assert_allclose(np.asarray(scene.propagation()), expected, atol=2e-5 * abs(expected).max())
+    whole = midair.Scene(midair.Array.preset(preset, response=np.ones(512), reflecting=1), points)
+    walls = [midair.Wall([0, 0, z], [0, 0, 1]) for z in (-gap / 2, gap / 2)]
+    beside = midair.Scene(bare, points, obstacles=walls)
+    np.testing.assert_allclose(np.asarray(whole.propagation()), np.asarray(beside.propagation()), rtol=1e-6)
+    # The value is part of the array, in files and copies too.
+    midair.write(tmp_path / "scene.toml", scene)
+    assert midair.read(tmp_path / "scene.toml").array.reflecting == 0.5
+    assert pickle.loads(pickle.dumps(half)) == half != bare
+    assert half.moved(rotation=[0, 0.3, 0], translation=[0.1, 0, 0]).reflecting == 0.5
+    with pytest.raises(midair.SceneError, match=r"reflecting is 0\.5: only two flat boards"):
+        midair.Array.preset("tinylev", reflecting=0.5)
+    with pytest.raises(midair.SceneError, match=r"reflecting is 2\.0: give the part of \|p\| that returns"):
+        midair.Array.preset(preset, reflecting=2)
+    with pytest.raises(midair.SceneError, match=r"turned by 45\.000 degrees: .* turn it to a board"):
+        scene.replace(obstacles=[midair.Wall([0.1, 0, 0], [1, 0, 1])])
+
+
 @pytest.mark.parametrize(
     ("given", "reported"),
     [

@@ -106,7 +106,7 @@ impl FieldMatrix {
     /// # Ok::<(), midair::Error>(())
     /// ```
     pub fn new(model: &Model, points: &[[f64; 3]], control: &mut Control) -> Result<Self, Error> {
-        if !model.obstacles().is_empty() {
+        if model.scattering.is_some() {
             return Err(Error::conflict("obstacles", "given", "ask for the field of each drive"));
         }
         if points.is_empty() {

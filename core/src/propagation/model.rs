@@ -42,7 +42,8 @@ impl Model {
     pub fn new(array: &Array, medium: Medium, set: InstructionSet) -> Result<Self, Error> {
         check_array(array, medium)?;
         let (sources, bead) = (Arc::new(Sources::new(array, medium)), Bead::default());
-        Ok(Self { sources, set, scattering: None, signature: None, bead, rows_follow: false, make: None })
+        Self { sources, set, scattering: None, signature: None, bead, rows_follow: false, make: None }
+            .scattered(&Obstacles::default(), &mut Control::none())
     }
 
     /// Returns the model of a scene. The scene has been checked already.
@@ -110,7 +111,7 @@ impl Model {
     fn scattered(mut self, obstacles: &Obstacles, control: &mut Control) -> Result<Self, Error> {
         self.scattering = None;
         self.make = self.signature.as_ref().and(self.make);
-        if !obstacles.is_empty() {
+        if !obstacles.is_empty() || self.array().reflecting() > 0.0 {
             self.scattering = Some(Arc::new(Scattering::new(&self.sources, obstacles.clone(), control)?));
             self.make = Some(Recipe::MAKE);
         }

@@ -47,6 +47,8 @@ pub struct Array {
     /// The frequency in Hz of an array that is real hardware: its default medium is then real air. Comparisons of
     /// arrays ignore it.
     hardware: Option<f64>,
+    /// The part of |p| that each of two boards face to face reflects; 0 for none.
+    pub(super) reflecting: f64,
     origin: Origin,
 }
 
@@ -91,6 +93,7 @@ impl Array {
             pins: None,
             quantization: None,
             hardware: None,
+            reflecting: 0.0,
             origin: Origin::Positions,
         })
     }
@@ -262,6 +265,11 @@ impl Array {
         self.pins.as_deref()
     }
 
+    /// The part of |p| that each of two boards face to face reflects; 0 for none.
+    pub fn reflecting(&self) -> f64 {
+        self.reflecting
+    }
+
     /// The phases and amplitudes that the device can play, or `None` if it can play any.
     pub fn quantization(&self) -> Option<&Quantization> {
         self.quantization.as_deref()
@@ -289,21 +297,21 @@ impl Array {
         if *pose == Pose::NONE {
             return Ok(self.clone());
         }
-        let moved = self.mirrored(|place| pose.place(place), |normal| pose.direction(normal), false);
+        let moved = self.mirrored(|place| pose.place(place), |normal| pose.direction(normal), 1.0);
         check_finite("array.positions", &moved.positions)?;
         Ok(moved)
     }
 
     /// Returns a copy of this array whose positions are mapped by `place` and whose normals are mapped by
-    /// `direction`, as a mirror does; `opposite` reverses the sign of all responses.
+    /// `direction`, as a mirror does; all responses are multiplied by `factor`.
     pub(crate) fn mirrored(
         &self,
         place: impl Fn([f64; 3]) -> [f64; 3],
         direction: impl Fn([f64; 3]) -> [f64; 3],
-        opposite: bool,
+        factor: f64,
     ) -> Self {
         let positions: Arc<[[f64; 3]]> = self.positions.iter().map(|&position| place(position)).collect();
-        let response = opposite.then(|| (0..self.len()).map(|i| -self.effect(i)).collect());
+        let response = (factor != 1.0).then(|| (0..self.len()).map(|i| self.effect(i) * factor).collect());
         Self {
             bounds: bounds(&positions),
             positions,
@@ -383,6 +391,7 @@ impl PartialEq for Array {
             && self.channels == other.channels
             && self.pins == other.pins
             && self.quantization == other.quantization
+            && self.reflecting == other.reflecting
             && (0..self.len()).all(|i| on(self, i) == on(other, i))
     }
 }

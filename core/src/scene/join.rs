@@ -33,6 +33,7 @@ impl Array {
                 _ if part.hardware() != first.hardware() => return differs("frequency or air"),
                 _ if part.transducer() != first.transducer() => return differs("transducer"),
                 _ if part.quantization() != first.quantization() => return differs("quantization"),
+                _ if part.reflecting() != first.reflecting() => return differs("reflection"),
                 _ if part.pins().is_some() != first.pins().is_some() => return differs("wiring"),
                 _ => {}
             }
@@ -67,7 +68,8 @@ impl Array {
             .with_response(response)?
             .with_mask(mask)?
             .with_channels(Some(channels))?
-            .with_pins(pins)
+            .with_pins(pins)?
+            .with_reflecting(first.reflecting())
             .map(|array| array.with_quantization(first.quantization().cloned()).with_hardware(first.hardware()))
     }
 }

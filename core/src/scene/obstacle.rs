@@ -7,7 +7,7 @@ use crate::scene::geometry::distance;
 use crate::scene::geometry::vector;
 use crate::scene::mesh::{Mesh, area_vector};
 use crate::scene::surface::ON;
-use crate::scene::wall::{Mirror, compatible, mirror};
+use crate::scene::wall::{Mirror, boards, compatible, mirror};
 use crate::scene::{Array, Key, Medium, Surface};
 
 /// The most walls of a scene: a box has six sides.
@@ -100,7 +100,10 @@ impl Obstacles {
             match obstacle {
                 Obstacle::Wall { point, normal, kind } => {
                     let mirror = mirror(&item, *point, *normal, *kind, array, medium)?;
-                    walls.iter().try_for_each(|(other, before)| compatible((k, &mirror), (*other, before)))?;
+                    boards(array).try_for_each(|board| compatible((k, &mirror), ("a board", &board)))?;
+                    for (other, before) in &walls {
+                        compatible((k, &mirror), (&format!("obstacles[{other}]"), before))?;
+                    }
                     walls.push((k, mirror));
                 }
                 Obstacle::Sphere { center, radius, .. } => {

@@ -94,6 +94,11 @@ parts! {
             array.with_transducer(transducer)
         }
     );
+    /// Part of |p| that each of two boards face to face reflects, 0 to 1; by default 0.
+    reflecting, such as "0.5": Real(
+        |array: &Array| Some(array.reflecting()).filter(|part| *part > 0.0),
+        Array::with_reflecting
+    );
     /// Complex factor [re, im] of each transducer's pressure; 0 means that it is dead.
     response, such as "[[1.0, 0.0], [0.5, -0.2]]": Complexes(Array::response, Array::with_response);
     /// Whether each transducer is on; false means off.

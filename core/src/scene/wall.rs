@@ -1,6 +1,6 @@
-//! Walls: infinite planes as obstacles, each with a mirror that faces the array.
+//! Walls: infinite planes as obstacles, and boards that reflect, each with a mirror that faces the array.
 
-use crate::error::ErrorCode;
+use crate::error::{ErrorCode, real};
 use crate::prelude::*;
 use crate::scene::geometry::vector;
 use crate::scene::surface::{ON, Surface};
@@ -9,12 +9,16 @@ use crate::scene::{Array, Medium};
 /// Two normals are at a right angle if the modulus of their cosine is below this, which allows for rounding.
 const SQUARE: f64 = 1e-6;
 
+/// Transducers of one board are in one plane, to this distance in m.
+const FLAT: f64 = 1e-6;
+
 /// A reflecting plane with a unit normal on the array's side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mirror {
     point: Vec3,
     normal: Vec3,
-    pub(crate) kind: Surface,
+    /// The reflected over the arriving pressure: 1 for a rigid wall, -1 for a soft one.
+    pub(crate) factor: f64,
 }
 
 impl Mirror {
@@ -50,7 +54,8 @@ pub(crate) fn mirror(
         let cure = "give the direction the wall faces";
         return Err(Error::invalid(format!("{item}.normal"), format!("{normal:?}"), cure));
     }
-    let mut mirror = Mirror { point: Vec3(point), normal: (Vec3(normal) / largest).unit(), kind };
+    let factor = if kind == Surface::Soft { -1.0 } else { 1.0 };
+    let mut mirror = Mirror { point: Vec3(point), normal: (Vec3(normal) / largest).unit(), factor };
     if mirror.height(array.centre()) < -ON {
         mirror.normal = -mirror.normal;
     }
@@ -67,19 +72,58 @@ pub(crate) fn mirror(
     Ok(mirror)
 }
 
-/// Checks that two walls are compatible. Image sources give the right reflections only for walls that are parallel or at right
-/// angles.
-pub(crate) fn compatible((k, wall): (usize, &Mirror), (other, before): (usize, &Mirror)) -> Result<(), Error> {
+impl Array {
+    /// Returns a copy of this array whose two boards reflect this part of |p|, 0 to 1. Each is then a mirror in the plane of its
+    /// transducers. As between two walls, up to three reflections are computed.
+    ///
+    /// # Errors
+    /// A part out of range; another array than two flat boards that face each other.
+    pub fn with_reflecting(mut self, reflecting: f64) -> Result<Self, Error> {
+        let part = real("array.reflecting", reflecting, 0.0, false)?;
+        if part > 1.0 {
+            return Err(Error::out_of_range("array.reflecting", part, "give the part of |p| that returns, 0 to 1"));
+        }
+        self.reflecting = part;
+        if !face(&self) {
+            let cure = "only two flat boards that face each other reflect, such as openmpd_pair: leave it out";
+            return Err(Error::conflict("array.reflecting", part, cure));
+        }
+        Ok(self)
+    }
+}
+
+/// Returns the boards of an array that reflects, as mirrors in the planes of their transducers.
+pub(crate) fn boards(array: &Array) -> impl Iterator<Item = Mirror> {
+    let (places, normals, factor) = (array.positions(), array.normals(), array.reflecting());
+    let along = |i: usize| Vec3(places[i]).dot(normals[0]);
+    let far = (0..array.len()).max_by(|&i, &j| along(i).total_cmp(&along(j))).unwrap_or(0);
+    let boards = [0, far].map(|i| Mirror { point: Vec3(places[i]), normal: Vec3(normals[i]), factor });
+    boards.into_iter().filter(move |_| factor > 0.0)
+}
+
+/// Whether the boards of an array that reflects are flat and face each other.
+fn face(array: &Array) -> bool {
+    let boards: Vec<Mirror> = boards(array).collect();
+    let [one, other] = &boards[..] else { return true };
+    let on = |(place, normal): (&[f64; 3], &[f64; 3])| {
+        boards.iter().any(|board| board.height(*place).abs() < FLAT && board.normal.dot(*normal) > 1.0 - SQUARE)
+    };
+    one.normal.dot(other.normal) < SQUARE - 1.0
+        && one.height(other.point) > FLAT
+        && array.positions().iter().zip(array.normals()).all(on)
+}
+
+/// Checks that two walls are compatible; `other` names the second. Image sources give the right reflections only for walls that
+/// are parallel or at right angles.
+pub(crate) fn compatible((k, wall): (usize, &Mirror), (other, before): (&str, &Mirror)) -> Result<(), Error> {
     let cosine = wall.normal.dot(before.normal);
     if cosine.abs() > SQUARE && cosine.abs() < 1.0 - SQUARE {
         let angle = math::acos(cosine).to_degrees();
-        let cure = format!(
-            "walls are parallel or at right angles, images are right for no others: turn it to obstacles[{other}]"
-        );
+        let cure = format!("walls are parallel or at right angles, images are right for no others: turn it to {other}");
         return Err(Error::invalid(format!("obstacles[{k}].normal"), format!("turned by {angle:.3} degrees"), cure));
     }
     if cosine > 0.5 {
-        let cure = format!("obstacles[{other}] is parallel to it, one hides the other: leave one out");
+        let cure = format!("{other} is parallel to it, one hides the other: leave one out");
         return Err(Error::invalid(format!("obstacles[{k}]"), "a wall on the same side", cure));
     }
     Ok(())

@@ -40,7 +40,7 @@ impl Lattices {
         let control = &mut Control::none();
         let (array, medium) = (model.array(), model.medium());
         let entries = array.len() * places.len();
-        if !(LEAST..=MOST).contains(&entries) || !model.obstacles().is_empty() {
+        if !(LEAST..=MOST).contains(&entries) || !model.obstacles().is_empty() || array.reflecting() > 0.0 {
             return field(model, drive, places, control);
         }
         self.0.iter_mut().for_each(|each| each.age += 1);

@@ -194,7 +194,7 @@ impl<'a> Pass<'a> {
                 return Err(Error::invalid(format!("obstacles[{k}]"), format!("a {noun}"), cure));
             }
             scattering.obstacles.check_points(points)?;
-            let mirrors = reflections(array.centre(), &scattering.obstacles);
+            let mirrors = reflections(array, &scattering.obstacles);
             let turned = mirrors.iter().map(|mirror| AXES.map(|axis| mirror.direction(Vec3(axis)).0));
             all.extend(scattering.images.iter().zip(turned).map(|(sources, axes)| seen(sources, axes)));
         }

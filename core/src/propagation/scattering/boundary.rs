@@ -57,7 +57,7 @@ pub struct Boundary {
     /// The array and its images in walls, all with response 1.
     pub(super) sources: Vec<Sources>,
     pub(super) elements: Vec<Element>,
-    /// The mirror images of the elements in walls, each set with its sign.
+    /// The mirror images of the elements in walls, each set with its factor.
     images: Vec<(f64, Vec<Element>)>,
     /// The elements and then their images in the form of the kernels, eight in each panel.
     panels: Vec<Vec<Panels>>,
@@ -77,9 +77,9 @@ impl Boundary {
             return Err(Error::invalid("obstacles", "without a mesh", "walls and spheres need no boundary solved"));
         }
         let bare = array.clone().with_response(None)?.with_mask(None)?;
-        let reflections = reflections(array.centre(), &obstacles);
+        let reflections = reflections(array, &obstacles);
         let seen = |reflection: &Reflection| elements.iter().map(|element| reflection.element(element)).collect();
-        let images: Vec<_> = reflections.iter().map(|reflection| (reflection.sign(), seen(reflection))).collect();
+        let images: Vec<_> = reflections.iter().map(|reflection| (reflection.factor(), seen(reflection))).collect();
         let each = core::iter::once(&elements).chain(images.iter().map(|(_, images)| images));
         let panels = each.map(|elements| Element::panels(elements, medium.wavenumber())).collect();
         let arrays = reflections.iter().map(|reflection| reflection.array(&bare));

@@ -37,7 +37,7 @@ impl Scattering {
             _ => None,
         });
         let bodies = sphere.map(|sphere| Bodies::of_sphere(sphere, sources, control)).transpose()?.map(Arc::new);
-        let reflections = reflections(sources.array.centre(), &obstacles);
+        let reflections = reflections(&sources.array, &obstacles);
         let image = |reflection: &Reflection| Sources::new(&reflection.array(&sources.array), sources.medium);
         Ok(Self { images: reflections.iter().map(image).collect(), obstacles, bodies })
     }

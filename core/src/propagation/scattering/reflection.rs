@@ -11,8 +11,8 @@
 
 use crate::prelude::*;
 use crate::propagation::scattering::element::Element;
-use crate::scene::wall::Mirror;
-use crate::scene::{Array, Obstacles, Surface};
+use crate::scene::wall::{Mirror, boards};
+use crate::scene::{Array, Obstacles};
 
 /// The most walls that a wave meets one after another. With three, a corner of three walls is exact.
 const MOST_REFLECTIONS: usize = 3;
@@ -33,15 +33,14 @@ impl Reflection {
         self.0.iter().fold(direction, |direction, mirror| mirror.direction(direction))
     }
 
-    /// The sign of the reflected wave: -1 after an odd number of soft walls.
-    pub(crate) fn sign(&self) -> f64 {
-        let soft = self.0.iter().filter(|mirror| mirror.kind == Surface::Soft).count();
-        if soft % 2 == 1 { -1.0 } else { 1.0 }
+    /// The factor of the reflected wave: -1 after an odd number of soft walls.
+    pub(crate) fn factor(&self) -> f64 {
+        self.0.iter().map(|mirror| mirror.factor).product()
     }
 
     /// The mirror image of an array.
     pub(crate) fn array(&self, array: &Array) -> Array {
-        array.mirrored(|x| self.place(Vec3(x)).0, |v| self.direction(Vec3(v)).0, self.sign() < 0.0)
+        array.mirrored(|x| self.place(Vec3(x)).0, |v| self.direction(Vec3(v)).0, self.factor())
     }
 
     /// The mirror image of an element.
@@ -50,11 +49,12 @@ impl Reflection {
     }
 }
 
-/// Returns all reflections of up to [`MOST_REFLECTIONS`] walls, without those that give the same image. `centre` is any place
-/// near the array.
-pub(crate) fn reflections(centre: [f64; 3], obstacles: &Obstacles) -> Vec<Reflection> {
+/// Returns all reflections of up to [`MOST_REFLECTIONS`] walls, without those that give the same image. The
+/// boards of an array that reflects are walls, too.
+pub(crate) fn reflections(array: &Array, obstacles: &Obstacles) -> Vec<Reflection> {
+    let mirrors: Vec<Mirror> = obstacles.mirrors().copied().chain(boards(array)).collect();
     // Two reflections are the same if they map four places alike.
-    let [x, y, z] = centre;
+    let [x, y, z] = array.centre();
     let probe = [[x, y, z], [x + 1.0, y, z], [x, y + 1.0, z], [x, y, z + 1.0]].map(Vec3);
     let mut seen = vec![probe];
     let mut all: Vec<Reflection> = Vec::new();
@@ -62,7 +62,7 @@ pub(crate) fn reflections(centre: [f64; 3], obstacles: &Obstacles) -> Vec<Reflec
     for _ in 0..MOST_REFLECTIONS {
         let mut next = Vec::new();
         for (before, corners) in &last {
-            for mirror in obstacles.mirrors() {
+            for mirror in &mirrors {
                 let corners = corners.map(|corner| mirror.place(corner));
                 let same = |other: &[Vec3; 4]| (0..4).all(|k| other[k].distance(corners[k]) < SAME);
                 if seen.iter().any(same) {
