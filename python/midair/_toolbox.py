@@ -21,7 +21,7 @@ HOMES = {
     "_boards.errors": "BoardBusy BoardError BoardLost BoardNotFound BoardPermission BoardTimeout",
     "_files": "read write",
     "_flight.flight": "Flight",
-    "_flight.fly": "fly",
+    "_flight.fly": "fly weigh",
     "_judging.compare": "Comparison compare",
     "_judging.exposure": "Exposed Exposure exposure",
     "_judging.streaming": "Streaming streaming",

@@ -207,3 +207,25 @@ def test_a_light_bead_rests_in_a_weak_trap(radius: float, density: float) -> Non
     flight = midair.fly(sequence, [[20e-6, 0, 0]], bead=bead, duration=0.5)
     assert flight.held.all()
     assert np.abs(flight.places[-100:] - flight.places[-1]).max() < 1e-7
+
+
+@pytest.mark.parametrize(("radius", "density"), [(1e-3, 29.0), (0.6e-3, 20.0)])
+def test_a_bead_is_weighed_by_how_it_rings(radius: float, density: float) -> None:
+    boards, bead = midair.Array.preset("openmpd_pair"), midair.Bead(radius=radius, density=density)
+    scene = midair.Scene(boards, [[0, 0, 0]], signature="trap", temperature=25, bead=bead)
+    still = midair.path.from_array(np.zeros((10, 1, 3)), rate=1000, closed=True)
+    sequence = midair.sequence(boards, still, rate=1000, signature="trap", temperature=25, bead=bead)
+    place = midair.fly(sequence, duration=0.01).places[0, 0]
+    flight = midair.fly(sequence, place + np.array([[0, 0, 1e-5]]), speeds=[[0, 0, 0]], duration=0.1)
+    swing = flight.places[:, 0, 2] - place[2]
+    # The number whose powers are the oscillation e^(-t/T) cos(2 pi f t), by linear prediction.
+    sums, last = np.stack([swing[1:-1], swing[:-2]], axis=1), swing[2:]
+    whole = np.roots([1, *-np.linalg.lstsq(sums, last, rcond=None)[0]])[0]
+    apart = flight.times[1] - flight.times[0]
+    frequency, ring_down = abs(np.angle(whole)) / (2 * np.pi * apart), -apart / np.log(abs(whole))
+    solution = midair.solve(scene.replace(bead=None))
+    found = midair.weigh(solution, frequency, ring_down)
+    assert found.radius == pytest.approx(radius, rel=0.05)
+    assert found.density == pytest.approx(density, rel=0.05)
+    with pytest.raises(midair.SceneError, match=r"frequency is 5\.0: no bead"):
+        midair.weigh(solution, 5, 0.01)

@@ -1,4 +1,4 @@
-"""`midair.fly`: simulates beads in the traps of a sequence, and finds which beads are lost, and when."""
+"""`midair.fly` simulates beads in the traps of a sequence; `midair.weigh` finds a bead from how it rings."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Bead, Course, Scene, numbers, stated
+from .._midair import Bead, Course, Scene, Solution, numbers, rest, stated
 from .._sequence.envelope import Hold
 from .._sequence.judged import SETTLING, TAU
 from .._sequence.sequence import Sequence
@@ -106,6 +106,75 @@ def fly(
         reported = f"the tracks of the beads need {getattr(error, 'value', 'more memory')}"
         raise MemoryError(f"duration is {duration:g} s: {reported}; {cure}") from None
     return Flight(times, flown, ways, lost, points)
+
+
+def weigh(solution: Solution, frequency: float, ring_down: float, *, point: int = 0, axis: int = 2) -> Bead:
+    """Find radius and density of a bead from its measured oscillation in a trap.
+
+    Parameters
+    ----------
+    solution : midair.Solution
+        The traps. Air, gravity and the sound speed of the bead are those of its scene.
+    frequency : float
+        Measured frequency in Hz of a small oscillation.
+    ring_down : float
+        Measured time in s in which its amplitude falls by a factor of e.
+    point : int
+        Index of the trap.
+    axis : int
+        Axis of the oscillation in the order of `midair.rest`: 0 is the least stiff one, 2 the stiffest.
+
+    Returns
+    -------
+    midair.Bead
+        The bead.
+
+    Raises
+    ------
+    SceneError
+        For numbers that are not above 0, and if no bead of up to an eighth of a wavelength rings like this.
+
+    See Also
+    --------
+    midair.fly : how a bead rings.
+
+    Notes
+    -----
+    In a ring-down t the air takes the effective mass m = 3 pi eta a (1 + a/d) t, where d is the thickness of
+    the boundary layer. The stiffness of the trap is m (omega^2 + 1/t^2). It is proportional to the square of
+    the array's `source_pressure`: the radius is wrong by about as many per cent as this pressure.
+    As J. Morrell and D. G. Grier, arXiv 2308.03682.
+
+    Examples
+    --------
+    >>> import midair
+    >>> boards = midair.Array.preset("openmpd_pair")
+    >>> solution = midair.solve(midair.Scene(boards, [[0, 0, 0]], signature="trap", temperature=25))
+    >>> bead = midair.weigh(solution, frequency=419, ring_down=0.07)
+    >>> round(1e3 * bead.radius, 1), 28 < bead.density < 31
+    (1.0, True)
+    """
+    frequency, ring_down = number("frequency", frequency, above=0), number("ring_down", ring_down, above=0)
+    scene, omega = solution.scene, 2 * np.pi * frequency
+    still, slow = np.zeros((1, 3)), np.array([[1e-6, 0, 0]])
+    drag = (scene._needed(slow, still) - scene._needed(still, still))[0, 0] / slow[0, 0]
+    viscosity = drag / (6 * np.pi * scene.bead.radius)
+    layer = np.sqrt(2 * viscosity / (scene.density * omega))
+    own = {name: getattr(scene.bead, name) for name in ("sound_speed", "gravity")}
+    ends = low, high = 1e-3 * scene.wavelength, scene.wavelength / 8
+    for _ in range(30):
+        radius = (low + high) / 2
+        mass = 3 * np.pi * viscosity * radius * (1 + radius / layer) * ring_down
+        moved = np.pi * scene.density * radius**2 * (2 / 3 * radius + 3 * layer)
+        density = max((mass - moved) / (4 / 3 * np.pi * radius**3), scene.density)
+        bead = Bead(radius=radius, density=density, **own)
+        held = rest(scene, solution.drive, scene.points[point : point + 1], bead=bead)
+        stiff = held.stiffness[0, axis] > mass * (omega**2 + ring_down**-2)
+        low, high = (low, radius) if stiff else (radius, high)
+    if low == ends[0] or high == ends[1]:
+        cure = "no bead up to an eighth of a wavelength rings like this in the trap: check it and ring_down"
+        raise refused("frequency", frequency, cure)
+    return bead
 
 
 def _delay(scene: Scene) -> float:
