@@ -1,10 +1,11 @@
-"""Beads in flight between two OpenMPD boards: shapes as in OptiTrap, and the speed of the simulation.
+"""Beads in flight between two OpenMPD boards: shapes as in OptiTrap, top speeds, and the simulation's speed.
 
 The shapes have the sizes and rates of V. Paneva et al., "OptiTrap", CHI 2022, in the upright plane through
 the boards' axis, but outlines of our own. One bead of 1 mm radius moves with 10,000 frames per second on the
 board's phases. `path.fastest` computes each path at two margins (fractions of a trap's largest force): the
 one that gives the paper's rate, and the largest that keeps the bead. `midair.fly` simulates each path for a
-second and reports whether the bead stays, and its largest distance from the curve. The last figure is the
+second and reports whether the bead stays, and its largest distance from the curve. Lines of 80 mm from rest
+to rest, and rings of 40 mm diameter, show the top speeds at the largest margin. The last figure is the
 speed of `midair.fly`: how many seconds of flight it simulates in one second on one core.
 
     python bench/flight.py [record.csv]
@@ -52,8 +53,22 @@ SHAPES = {
 }
 
 
+def runs() -> dict[str, np.ndarray]:
+    """Returns points in m of lines up and across, and of an upright and a level ring."""
+    line, angle = np.linspace(-0.04, 0.04, 9), np.linspace(0, 2 * np.pi, 24, endpoint=False)
+    ring, none = 0.02 * np.stack([np.cos(angle), np.sin(angle)]), 0 * angle
+    return {
+        "line up": np.outer(line, [0, 0, 1]),
+        "line across": np.outer(line, [1, 0, 0]),
+        "ring upright": np.stack([ring[0], none, ring[1]], axis=1),
+        "ring level": np.stack([*ring, none], axis=1),
+    }
+
+
 def outline(name: str) -> np.ndarray:
-    """Returns points (K, 3) in m of an upright shape around the middle between the boards."""
+    """Returns points (K, 3) in m of a run, or of an upright shape around the middle between the boards."""
+    if name not in SHAPES:
+        return runs()[name]
     points, size, _ = SHAPES[name]
     points = points - (points.max(axis=0) + points.min(axis=0)) / 2
     points = points * size / np.ptp(points, axis=0).max()
@@ -72,16 +87,17 @@ def margin_for(name: str, boards: midair.Array) -> float:
 
 def flown(name: str, boards: midair.Array, margin: float) -> dict[str, object]:
     """Returns the row of a shape that is flown for a second at a margin."""
-    path = midair.path.fastest(outline(name), boards, margin=margin, **AIR)
+    points, closed = outline(name), not name.startswith("line")
+    path = midair.path.fastest(points, boards, closed=closed, margin=margin, **AIR)
     sequence = midair.sequence(boards, path, rate=RATE, change=CHANGE, signature="trap", **AIR)
-    flight = midair.fly(sequence, duration=max(1.0, 5 * path.duration))
+    flight = midair.fly(sequence, duration=max(1.0, 5 * path.duration) if closed else None)
     places, apart = flight.places[:, 0], flight.times[1] - flight.times[0]
     steps = np.diff(places, axis=0) / apart
     curve = path.frames(10 * RATE)[0][:, 0]
     off = max(np.linalg.norm(curve - place, axis=1).min() for place in places[~np.isnan(places[:, 0])])
     return {
         "shape": name,
-        "size_mm": 1e3 * SHAPES[name][1],
+        "size_mm": round(1e3 * float(np.ptp(points, axis=0).max()), 1),
         "margin": round(margin, 3),
         "rate_Hz": round(1 / path.duration, 2),
         "held": bool(flight.held[0]),
@@ -92,10 +108,11 @@ def flown(name: str, boards: midair.Array, margin: float) -> dict[str, object]:
 
 
 def shapes() -> Iterator[dict[str, object]]:
-    """Yields the row of each shape at the paper's rate, and at the largest margin at which the bead stays."""
+    """Yields the rows of shapes at the paper's rate, and of all at the largest margin that keeps the bead."""
     boards = midair.Array.preset("openmpd_pair")
-    for name in SHAPES:
-        yield flown(name, boards, margin_for(name, boards))
+    for name in (*SHAPES, *runs()):
+        if name in SHAPES:
+            yield flown(name, boards, margin_for(name, boards))
         best = None
         for margin in MARGINS:
             found = flown(name, boards, float(margin))
