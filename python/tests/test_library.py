@@ -53,6 +53,7 @@ def test_keywords_have_the_names_and_order_of_the_design() -> None:
         midair.gorkov: "scene drive points bead",
         midair.rest: "scene drive points bead",
         midair.fly: "sequence beads speeds duration tau hold bead",
+        midair.weigh: "solution frequency ring_down point axis",
         midair.path.fastest: "points array closed margin speed bead air",
         midair.grad.amplitude: "scene drive points cotangent",
         midair.grad.force: "scene drive points cotangent bead",

@@ -142,7 +142,7 @@ def weigh(solution: Solution, frequency: float, ring_down: float, *, point: int 
     -----
     In a ring-down t the air takes the effective mass m = 3 pi eta a (1 + a/d) t, where d is the thickness of
     the boundary layer. The stiffness of the trap is m (omega^2 + 1/t^2). It is proportional to the square of
-    the array's `source_pressure`: the radius is wrong by about as many per cent as this pressure.
+    the array's `source_pressure`: if this is 1 % too high, the radius comes out 2 % too small.
     As J. Morrell and D. G. Grier, arXiv 2308.03682.
 
     Examples
