@@ -192,6 +192,7 @@ def test_a_bead_is_as_near_its_point_as_at_a_constant_speed(name: str) -> None:
         ),
         (np.diag([np.nan, 0, 0, 0])[:, :3], {}, r"points\[0, 0\] is nan: give finite"),
         (ring(0.01), {"margin": 1.0}, "margin is 1.0: give a number below 1"),
+        (ring(0.01), {"margin": 1e-90}, "margin is 1e-90: give a number of at least 0.0001"),
         (ring(0.01), {"speed": 0}, "speed is 0: give a number above 0"),
         (ring(0.01)[[0, 0, 1, 2, 3]], {}, "where the one before is"),
         (ring(0.01) + np.array([0, 0, 0.5]), {}, "no trap holds the bead"),

@@ -36,8 +36,8 @@ TOP = 20.0
 #: Times in s: between two places of the path, and the shortest time in which the force may change.
 TICK, SMOOTH = 1e-4, 1e-3
 
-#: Longest run in s.
-LONGEST = 100.0
+#: Longest run in s, and least margin.
+LONGEST, LEAST = 100.0, 1e-4
 
 
 def fastest(
@@ -62,8 +62,8 @@ def fastest(
         Whether the curve goes on from the last point to the first, for ever. Otherwise the bead starts and
         ends at rest.
     margin : float, optional
-        Part of a trap's largest force along each of its axes that the run may take, below 1. The rest is for
-        a board's steps, other points and draught; `midair.fly` shows whether it suffices.
+        Part of a trap's largest force along each of its axes that the run may take, from 1e-4 to below 1. The
+        rest is for a board's steps, other points and draught; `midair.fly` shows whether it suffices.
     speed : float, optional
         Highest speed in m/s, at most 20. The transducers follow late, so a bead is behind its point by about
         .25 ms of its way; a lower speed bounds this distance.
@@ -99,7 +99,7 @@ def fastest(
     for name in sorted(BEAD & air.keys()):
         # `Scene` takes them for those of the air.
         raise part_of_bead("midair.path.fastest", name)
-    share = number("margin", margin, above=0)
+    share = number("margin", margin, least=LEAST)
     if share >= 1:
         raise refused("margin", margin, "give a number below 1")
     if isinstance(array, Scene):
