@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import midair
+from midair._boards import connection
 
 POINTS = [[-0.02, 0.0, 0.12], [0.02, 0.01, 0.13]]
 PLACES = {"ear": [0.0, 0.0, 0.6]}
@@ -189,3 +190,20 @@ def test_every_solution_keeps_the_bead_of_plain_foci() -> None:
         assert answer.rest().mass == answer.gorkov().mass
     changed = scene.replace(points=[[0.0, 0.0, 0.001]], pressures=10.0)
     assert changed.bead == scene.bead
+
+
+@pytest.mark.slow
+def test_a_solution_is_played_on_the_array_that_it_is_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    array = midair.Array.preset("sonicsurface", mask=[True] * 250 + [False] * 6)
+    solution = midair.solve(midair.Scene(array, [[0, 0, 0.15]]))
+    connect, given = connection.connect, []
+
+    def connected(address: str, **options: Any) -> midair.Connection:
+        given.append(options)
+        return connect(address, **options)
+
+    monkeypatch.setattr(connection, "connect", connected)
+    solution.play("sonicsurface:null", seconds=0.01)
+    board = midair.Board("sonicsurface", array)
+    solution.play("sonicsurface:null", seconds=0.01, board=board)
+    assert given == [{"array": array}, {"board": board}]

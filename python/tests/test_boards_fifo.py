@@ -80,11 +80,13 @@ def test_a_pair_is_dealt_its_parts(chips):
 
 def test_two_lines_of_one_chip(chips):
     homies, board = transport("homies:A")
-    frame = board.encode([1] * 256)
+    frame = board.encode([1] * 128 + [1j] * 128)
     homies.play(frame)
     half, off = len(frame) // 2, len(board.silence) // 2
-    assert chips["A"].written[off:] == frame[:half]
-    assert chips["A/2"].written[off:] == frame[half:]
+    assert frame[:half] != frame[half:]
+    # The first FPGA is on the chip's channel B, its interface 2.
+    assert chips["A/2"].written[off:] == frame[:half]
+    assert chips["A"].written[off:] == frame[half:]
 
 
 def test_a_chip_that_is_not_there():

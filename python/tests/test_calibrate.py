@@ -148,6 +148,16 @@ def test_drives_are_the_boards() -> None:
     assert np.array_equal(drives, midair.calibration_drives(array, 2, microphones=2, seed=3))
 
 
+@pytest.mark.slow
+def test_transducers_that_did_not_play_keep_their_responses() -> None:
+    own, mask = np.exp(1j * np.linspace(0, 1, 64)), np.arange(64) % 8 > 0
+    rig = Rig(21, array=midair.Array.grid(8, 8, 10e-3, mask=mask, response=own))
+    found = calibrated(rig, 4, 60)
+    assert found.array.response is not None
+    np.testing.assert_allclose(found.array.response[~mask], own[~mask], rtol=1e-12)
+    assert not np.isclose(found.array.response[mask], own[mask], rtol=1e-3).any()
+
+
 def spoilt(kind: str, received: Any) -> Any:
     received = received.copy()
     if kind == "nan":
