@@ -80,6 +80,18 @@ def test_options(library: Library, grid: c_void_p, method: str, options: dict[st
     library.plain("session_free", session)
 
 
+@pytest.mark.parametrize("last", [{"sound_speed": 350.0}, {"temperature": 10.0}])
+def test_the_last_of_sound_speed_and_temperature_counts(
+    library: Library, grid: c_void_p, last: dict[str, float]
+) -> None:
+    first = {"sound_speed": 350.0, "temperature": 10.0}
+    session = library.session(grid, "fast", **{name: first[name] for name in first.keys() - last} | last)
+    same(
+        library, session, midair.Solver(midair.Array.grid(12, 10, 0.0105), "fast", **last), POINTS, PRESSURES
+    )
+    library.plain("session_free", session)
+
+
 def test_lists(library: Library) -> None:
     rng = np.random.default_rng(1)
     positions, normals = rng.normal(size=(40, 3)) * [0.05, 0.05, 0.001], rng.normal(size=(40, 3))

@@ -308,6 +308,9 @@ def test_noise_is_reported_beside_amplitude_modulation_at_200_hertz() -> None:
     # Steps between frames at 10 kHz are audible, too.
     assert modulated(plain).judge(TAU).noise > 3
     assert single(np.ones(50)).metrics.noise == -200
+    # A jump from the last frame to the first is heard if the sequence repeats.
+    ramp, repeated = (single(np.linspace(0.5, 1, 50), closed=closed) for closed in (False, True))
+    assert repeated.metrics.noise > ramp.metrics.noise + 20
 
 
 NAN = np.full((FRAMES, 3, 3), np.nan)
