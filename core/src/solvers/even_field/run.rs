@@ -33,7 +33,7 @@ const ABOVE: f32 = 1.1;
 pub(crate) const QUIET: f64 = 1e-3;
 
 /// Default number of weighted sweeps before the shortest steps to an even field.
-pub(crate) const SWEEPS: u32 = 16;
+pub(crate) const SWEEPS: u32 = 12;
 
 /// Above this number of equations, where a step takes tens of milliseconds, the level is not raised further.
 pub(super) const TOO_MANY: usize = 500;
