@@ -1,21 +1,24 @@
-"""Guided fuzzing of every target, one after the other; each run is a row of fuzz.csv.
+"""Guided fuzzing of every target, one after the other; each run is a row of fuzz.csv, which
+docs/reliability.md sums up.
 
 A target is finished when it has run for the requested number of seconds or executions with the present code.
 Earlier runs with this code count, too, so an interrupted run can be continued later.
 """
 
 import argparse
+import csv
+import datetime
 import json
 import os
 import re
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
-import record
-
-FUZZ = record.ROOT / "fuzz"
+ROOT = Path(__file__).resolve().parents[1]
+FUZZ = ROOT / "fuzz"
 #: Inputs that fuzzing has found, kept between runs; not in the repository.
 WORK = FUZZ / ".work"
 TARGET = "x86_64-unknown-linux-gnu"
@@ -29,10 +32,45 @@ LENGTHS = dict.fromkeys(RUST, 1024) | {"positions": 256, "frames": 640} | dict.f
 OPTIONS = ["-print_final_stats=1", "-timeout=60", "-rss_limit_mb=4096", "-verbosity=1"]
 
 
+def today() -> str:
+    """Returns the date in the form of the tables."""
+    return datetime.date.today().isoformat()
+
+
+def code(*folders: str) -> str:
+    """Returns the state of some folders: git's short hash of each folder, with a plus if it has uncommitted
+    changes.
+    """
+    return " ".join(
+        _git("rev-parse", "--short=8", f"HEAD:{folder}")
+        + ("+" if _git("status", "--porcelain", "--", folder) else "")
+        for folder in folders
+    )
+
+
+def _git(*arguments: str) -> str:
+    command = ["git", *arguments]
+    return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, encoding="utf-8").stdout.strip()
+
+
+def append(name: str, row: list[str]) -> None:
+    """Appends a row to a record."""
+    with (FUZZ / f"{name}.csv").open("a", newline="", encoding="utf-8") as file:
+        csv.writer(file, lineterminator="\n").writerow(row)
+
+
+def first(ends: Sequence[str], text: str, otherwise: str) -> str:
+    """Returns the words by which a program's log says why it ended: of the first pattern that it contains."""
+    found = next((found for end in ends if (found := re.search(end, text))), None)
+    words = otherwise if found is None else found[found.lastindex or 0]
+    return re.sub(r"[|`\s]+", " ", words)[:120]
+
+
 def had(name: str, code: str) -> list[int]:
     """Returns the executions and the seconds that a target has run with this code, by fuzz.csv."""
-    rows = [row for row in record.rows("fuzz") if row[:2] == [name, code]]
-    return [sum(int(row[column].replace(",", "")) for row in rows) for column in (3, 4)]
+    with (FUZZ / "fuzz.csv").open(newline="", encoding="utf-8") as file:
+        runs = [row for row in csv.reader(file) if row[:2] == [name, code]]
+    return [sum(int(row[column].replace(",", "")) for row in runs) for column in (3, 4)]
 
 
 def seeds(name: str) -> list[Path]:
@@ -41,13 +79,12 @@ def seeds(name: str) -> list[Path]:
     if name == "scene":
         golden = WORK / "golden"
         golden.mkdir(parents=True, exist_ok=True)
-        for path in (record.ROOT / "golden").glob("*.json"):
-            (golden / path.name).write_text(
-                json.dumps(json.loads(path.read_text("utf-8"))["scene"]), encoding="utf-8"
-            )
-        folders += [golden, record.ROOT / "docs" / "scenes"]
+        for path in (ROOT / "golden").glob("*.json"):
+            scene = json.loads(path.read_text("utf-8"))["scene"]
+            (golden / path.name).write_text(json.dumps(scene), encoding="utf-8")
+        folders += [golden, ROOT / "docs" / "scenes"]
     if name.startswith("sweep"):
-        folders += [FUZZ / "corpus" / "sweep_file", record.ROOT / "docs" / "sweeps"]
+        folders += [FUZZ / "corpus" / "sweep_file", ROOT / "docs" / "sweeps"]
     return [folder for folder in folders if folder.is_dir()]
 
 
@@ -97,7 +134,7 @@ def run(name: str, code: str, seconds: int, executions: int) -> bool:
     sound = stopped or process.returncode == 0
     finding = "none" if sound else what(text)
     numbers = [f"{number:,}" for number in (done, round(time.monotonic() - begun), edges)]
-    record.append("fuzz", [name, code, record.today(), *numbers, finding])
+    append("fuzz", [name, code, today(), *numbers, finding])
     print(
         f"  {name}: {done} executions, {edges} edges, {finding}" + ("" if sound else f": see {log}"),
         flush=True,
@@ -111,7 +148,7 @@ def what(text: str) -> str:
     """Returns in a few words why libFuzzer ended, with the name of the input."""
     ends = (r"panicked at .*\n(.*)", r"Uncaught Python exception: ===\n(.*)", r"ERROR: (.*)")
     kept = re.findall(r"Test unit written to \S*/(\w+-\w{8})", text)
-    return f"`{' '.join(kept[-1:])}` {record.first(ends, text, 'ended without a word')}".strip()
+    return f"`{' '.join(kept[-1:])}` {first(ends, text, 'ended without a word')}".strip()
 
 
 def build(sanitizer: str, folder: Path) -> None:
@@ -119,7 +156,7 @@ def build(sanitizer: str, folder: Path) -> None:
     path = f"{FUZZ / '.tools' / 'bin'}{os.pathsep}{os.environ['PATH']}"
     command = ["cargo", "+nightly", "fuzz", "build", f"--sanitizer={sanitizer}", f"--target-dir={folder}"]
     command += ["--no-trace-compares"]
-    subprocess.run(command, cwd=record.ROOT, check=True, env={**os.environ, "PATH": path})
+    subprocess.run(command, cwd=ROOT, check=True, env={**os.environ, "PATH": path})
 
 
 def install() -> None:
@@ -133,7 +170,7 @@ def install() -> None:
     # With an explicit target, these flags do not apply to macros and build scripts.
     environment = {**os.environ, "RUSTFLAGS": " ".join(flags)}
     maturin = [tools / "maturin", "build", *options, *made]
-    subprocess.run(maturin, cwd=record.ROOT, check=True, env=environment)
+    subprocess.run(maturin, cwd=ROOT, check=True, env=environment)
     uv = [tools / "uv", "pip", "install", "--quiet", "--no-deps", "--reinstall", "--python"]
     subprocess.run([*uv, FUZZ / ".venv" / "bin" / "python", *wheels.glob("*.whl")], check=True)
 
@@ -147,7 +184,7 @@ def main() -> int:
     names = requested.targets or [*RUST, *PYTHON]
     WORK.mkdir(exist_ok=True)
     # Records the state of the code before the build, because the code may change during the run.
-    codes = {name: record.code("core/src", *([] if name in RUST else ["python"])) for name in names}
+    codes = {name: code("core/src", *([] if name in RUST else ["python"])) for name in names}
     if any(name in RUST for name in names):
         build("none", FUZZ / "target")
     if any(name in PYTHON for name in names):

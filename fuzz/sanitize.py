@@ -6,10 +6,9 @@ import re
 import subprocess
 import sys
 import time
-from dataclasses import dataclass
+from typing import NamedTuple
 
-import record
-from run import FUZZ, RUST, TARGET, WORK, build, seeds
+from run import FUZZ, ROOT, RUST, TARGET, WORK, append, build, code, first, seeds, today
 
 #: The largest duration of a check in seconds: a longer check is stopped and counts as an error.
 MOST = 3600
@@ -20,8 +19,7 @@ ENDS = (r"\w+Sanitizer: .*", r"Undefined Behavior: .*", r"test result: FAILED.*"
 FEATURES = ["-p", "midair", "--features", "scene-file,parallel"]
 
 
-@dataclass(frozen=True)
-class Check:
+class Check(NamedTuple):
     """A command whose exit status is 0 if there is no error."""
 
     name: str
@@ -87,18 +85,16 @@ def run(check: Check) -> bool:
         environment = {**os.environ, **check.environment}
         # `timeout` ends with the status 124 if it stops a command.
         limited = ["timeout", str(MOST), *check.command]
-        status = subprocess.run(
-            limited, stdout=file, stderr=file, cwd=record.ROOT, env=environment
-        ).returncode
+        status = subprocess.run(limited, stdout=file, stderr=file, cwd=ROOT, env=environment).returncode
     seconds = time.monotonic() - begun
     text = log.read_text(errors="replace", encoding="utf-8")
     count = sum(map(int, re.findall(r"test result: \w+\. (\d+) passed", text)))
     inputs = re.search(r"number_of_executed_units: (\d+)", text)
     ran = f"{inputs[1]} inputs" if inputs else f"{count} tests"
     ended = {0: "none", 124: f"broken off after {MOST} s"}
-    finding = ended.get(status) or record.first(ENDS, text, f"ended with {status}")
-    row = [check.name, record.code("core"), record.today(), str(round(seconds)), ran, finding]
-    record.append("sanitize", row)
+    finding = ended.get(status) or first(ENDS, text, f"ended with {status}")
+    row = [check.name, code("core"), today(), str(round(seconds)), ran, finding]
+    append("sanitize", row)
     print(f"  {ran}, {finding}" + ("" if status == 0 else f": see {log}"), flush=True)
     return status == 0
 

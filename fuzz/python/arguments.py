@@ -4,8 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from guided import REFUSALS, Data, fuzz, midair, refused
-from values import laid_out, numbers, odd
+from guided import REFUSALS, Data, fuzz, laid_out, midair, numbers, odd, refused
 
 #: Options and arguments whose cost in time or memory grows with their value, each with its largest value.
 COSTS = {"steps": 20, "starts": 4, "sweeps": 4, "phases": 300}

@@ -4,8 +4,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from guided import REFUSALS, Data, fuzz, refused
-from values import odd
+from guided import REFUSALS, Data, fuzz, odd, refused
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "python" / "tests"))
 from absurd import CALLS
