@@ -77,9 +77,8 @@ pub(crate) fn without(part: usize) -> bool {
         # Kernels for other processors take most of the time of a build.
         kinds = copy / "core/src/kernels/simd/instruction_set.rs"
         arm = r"Kind::(Avx2)\(\$simd\) => \$simd\.vectorize\(\s*#\[inline\(always\)\]\s*\|\| \$body,\s*\),"
-        kinds.write_text(
-            re.sub(arm, r"Kind::\1(_) => unreachable!(),", kinds.read_text("utf-8")), encoding="utf-8"
-        )
+        changed = re.sub(arm, r"Kind::\1(_) => unreachable!(),", kinds.read_text("utf-8"))
+        kinds.write_text(changed, encoding="utf-8")
 
 
 def built(copy: Path) -> str:

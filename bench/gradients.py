@@ -14,9 +14,9 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+import record
 
 import midair
-import record
 
 WAVENUMBER = 2 * np.pi * 40e3 / 340
 #: Transducers along a side of the array, and numbers of points.
@@ -88,9 +88,8 @@ def main() -> None:
     for side, count in SIZES:
         times = measure(side, count)
         shown = {name: f"{own:.1e}" if "off" in name else f"{own:.4f}" for name, own in times.items()}
-        ratios = {
-            name: f"{times[f'{name}_gradient'] / times['gradient']:.1f}" for name in ("single", "double")
-        }
+        whole = times["gradient"]
+        ratios = {name: f"{times[f'{name}_gradient'] / whole:.1f}" for name in ("single", "double")}
         rows.append({"N": side * side, "M": count, **shown, **ratios})
         print(rows[-1])
     record.add("gradients.csv", [{"jax": jax.__version__, **row} for row in rows])

@@ -60,10 +60,7 @@ def read(path: Path) -> list[Row]:
 
 def tables(rows: Sequence[Row]) -> dict[str, str]:
     """Returns the table of each page that has one, by the page's path in the repository."""
-    return {
-        "README.md": brief(rows),
-        "docs/performance.md": table(rows, "../bench"),
-    }
+    return {"README.md": brief(rows), "docs/performance.md": table(rows, "../bench")}
 
 
 def brief(rows: Sequence[Row]) -> str:

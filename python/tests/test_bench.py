@@ -21,7 +21,7 @@ def load(name: str) -> SimpleNamespace:
 
 
 def test_the_tasks_field_and_metrics_agree_with_midairs() -> None:
-    task = load("tasks").Task("paper20", None, 4, (), ())
+    task = load("rivals").Task("paper20", None, 4, (), ())
     rng = np.random.default_rng(1)
     drive = (rng.uniform(0, 1, 400) * np.exp(2j * np.pi * rng.uniform(size=400))).astype(np.complex64)
     found = oracle.metrics(np.abs(task.propagation(task.points(0)) @ drive), task.targets)
