@@ -223,8 +223,7 @@ look: docs studio ## Look at the book in a browser: axe, requests, widths, live 
 
 docs: setup book/.venv/ready ## Build the book, the documentation as a site: out/site/index.html
 	$(call step,book: built where nothing warns (10 s),NO_MKDOCS_2_WARNING=1 book/.venv/bin/mkdocs build --quiet --strict --config-file book/mkdocs.yml)
-	$(call step,book: every link followed (5 s),$(PYTHON) book/links.py out/site)
-	$(call step,book: every public name looked up (1 s),$(PYTHON) book/names.py out/site)
+	$(call step,book: every link followed and every public name looked up (6 s),$(PYTHON) book/links.py out/site)
 	@echo; echo "Open $(CURDIR)/out/site/index.html. Its search needs a server: python3 -m http.server --directory out/site"
 
 # The book's generator and the notebooks for tests of the studio each have an environment with their own libraries. midair
@@ -240,7 +239,6 @@ generated: schema api map header ## Write all generated files anew, except those
 
 schema: .venv/extension # docs/*.schema.json, docs/columns.md, fuzz/*.dict
 	$(PYTHON) book/schema.py
-	$(PYTHON) book/columns.py
 
 api: .venv/extension # docs/api.md
 	$(PYTHON) book/reference.py

@@ -38,12 +38,7 @@ PYTHON = [
         "judge Metrics BatchMetrics field Field plot style gorkov Gorkov rest Rest ear Ear exposure Exposure "
         "Exposed streaming Streaming tolerate Tolerance Kept",
     ),
-    (
-        "gradients",
-        "Gradients",
-        "Derivatives of the field, for optimisation and learning.",
-        "grad torch jax",
-    ),
+    ("gradients", "Gradients", "Derivatives of the field, for optimisation and learning.", "grad torch jax"),
     (
         "drawing",
         "Shapes and paths",

@@ -3,11 +3,14 @@
 """
 
 import json
+import re
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from marked import table
+from midair._cli.app import TABLES
 from midair._midair import directivities, scene_keys, sweep_keys
 
 ROOT = Path(__file__).parents[1]
@@ -172,9 +175,37 @@ def page() -> str:
     return "\n".join(lines)
 
 
+SOURCE = ROOT / "python" / "midair" / "_support" / "columns.toml"
+
+COLUMNS = """\
+# Columns of tables
+
+This page explains each column of the tables that commands print. `midair COMMAND --help` prints the same
+lines. [Metrics](conventions.md#how-good-an-answer-is) has the formulas. [Sweeps](sweeps.md#the-table) has the
+columns of a sweep's file.
+"""
+
+
+def anchor(table: str, head: str) -> str:
+    """Returns the anchor of a column, such as solutions-complex-error."""
+    return re.sub(r"\W+", "-", f"{table} {head}").strip("-").lower()
+
+
+def columns() -> str:
+    """Returns the page of all columns of printed tables: a section for each table, a row for each column."""
+    found = tomllib.loads(SOURCE.read_text("utf-8"))
+    sections = [COLUMNS]
+    for name, meanings in found.items():
+        commands = [f"`midair {command}`" for command, of in TABLES.items() if of == name]
+        rows = [(f'<a id="{anchor(name, head)}"></a>`{head}`', about) for head, about in meanings.items()]
+        sections.append(f"## {' and '.join(commands)}\n\n{table(('column', 'meaning'), rows)}")
+    return "\n".join(sections)
+
+
 #: Functions that make the files of `make generated`, by path.
 WRITTEN = {
     "docs/scene.schema.json": lambda: text(schema()),
+    "docs/columns.md": columns,
     "docs/sweep.schema.json": lambda: text(sweep_schema()),
     "fuzz/scene.dict": lambda: words(tables()),
     "fuzz/sweep.dict": lambda: words({**tables(), **sweep_keys()}),

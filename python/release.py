@@ -29,16 +29,8 @@ VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text("utf-8"))["workspace"]["
 PYTHONS = ("3.11", "3.12", "3.13", "3.14")
 THIRD_PARTY = ROOT / "python" / "THIRD-PARTY.md"
 #: Licences of crates in a wheel that are allowed: none requires more than a copy of its text.
-ALLOWED = {
-    "MIT",
-    "Apache-2.0",
-    "Apache-2.0 WITH LLVM-exception",
-    "BSD-2-Clause",
-    "BSD-3-Clause",
-    "ISC",
-    "Zlib",
-}
-ALLOWED |= {"Unicode-3.0", "Unlicense", "CC0-1.0", "BSL-1.0"}
+ALLOWED = {"MIT", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "BSD-2-Clause", "BSD-3-Clause", "ISC"}
+ALLOWED |= {"Zlib", "Unicode-3.0", "Unlicense", "CC0-1.0", "BSL-1.0"}
 #: A scene file: a board's array and one point.
 BOARD = 'array.preset = "sonicsurface"\n[[points]]\nposition = [0, 0, 0.15]\n'
 #: The largest allowed size of a wheel, in bytes.

@@ -55,9 +55,8 @@ def write_names(
     axes: Axes, names: list[str], points: np.ndarray, colours: list[str], size: float = 8
 ) -> None:
     """Writes each name beside its point (K, 2), where it covers least; the layout must be final."""
-    taken = [
-        Bbox.from_extents(*(place - SIZE), *(place + SIZE)) for place in axes.transData.transform(points)
-    ]
+    places = axes.transData.transform(points)
+    taken = [Bbox.from_extents(*(place - SIZE), *(place + SIZE)) for place in places]
     for name, point, colour in sorted(zip(names, points, colours, strict=True), key=lambda one: -len(one[0])):
         tried = []
         for far, (across, up) in product((7, 11, 16), SIDES):

@@ -60,9 +60,8 @@ class Rig(microphones.Rig):
     @cached_property
     def best(self) -> float:
         """The mean |p| of the true model's drive at the new points."""
-        return float(
-            np.abs(self.truth @ midair.solve(midair.Propagation(self.truth), "uniform").drive).mean()
-        )
+        drive = midair.solve(midair.Propagation(self.truth), "uniform").drive
+        return float(np.abs(self.truth @ drive).mean())
 
     def level(self) -> float:
         """Returns the level to which the noise is relative: that of the true model's drive."""

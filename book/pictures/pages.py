@@ -118,9 +118,8 @@ def card() -> None:
     scene = midair.Scene.load(DOCS / "scenes" / "gallery" / "smiley.json")
     solution = midair.solve(scene, "uniform")
     points = scene.points
-    plane = midair.Plane(
-        z=float(points[0, 2]), size=0.2, pixels=420, center=tuple(points[:, :2].mean(axis=0))
-    )
+    center = tuple(points[:, :2].mean(axis=0))
+    plane = midair.Plane(z=float(points[0, 2]), size=0.2, pixels=420, center=center)
     field = np.abs(midair.field(scene, solution, plane).pressure)
     drawn = plt.figure(figsize=(12, 6.3), facecolor=INK)
     picture = drawn.add_axes((0.475, 0, 0.525, 1))

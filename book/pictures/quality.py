@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
 import midair
-from midair._reproduce import drawing, fig5, scenes, tables
+from midair._reproduce import fig5, scenes, tables
 from midair._reproduce.scenes import Method
 from midair._sweep.block import solve_block
 from pictures import DOCS, write_names
@@ -73,7 +73,7 @@ def measure(work: Sequence[Method], count: int) -> tables.Rows:
 def draw(rows: tables.Rows) -> Figure:
     """Draws accuracy above sigma, over time, with a column for each number of points."""
     colours = {method.key: method.colour for method in compared()}
-    figure = Figure(figsize=(11, 7.4), dpi=drawing.RESOLUTION, layout="constrained")
+    figure = Figure(figsize=(11, 7.4), dpi=scenes.RESOLUTION, layout="constrained")
     panels = figure.subplots(2, len(COUNTS), sharex=True, sharey="row")
     panels[1, 0].set(xscale="log", yscale="log")
     panels[1, 0].xaxis.set_major_formatter(EngFormatter("s"))

@@ -8,7 +8,7 @@ import pytest
 
 import midair
 from library import Library
-from midair._sequence import document
+from midair._sequence.solve import motion_of, solve_motion
 
 #: The layout of midair_motion in C.
 MOTION = np.dtype([("frames", "u8"), ("points", "u8"), ("rate", "f8"), ("closed", "i4")], align=True)
@@ -55,10 +55,10 @@ def test_a_motion_file_is_played_as_by_the_package(library: Library, name: str, 
     np.save(tmp_path / "points.npy", start + random)
     file = tmp_path / "motion.toml"
     file.write_text(FILES[name], "utf-8")
-    moving = document.read(file)
+    moving = motion_of(file)
     assert moving is not None
-    wanted = moving.solve()
-    array = moving.array
+    wanted = solve_motion(moving)
+    array = moving.scene.array
     session = library.new("session_open", FILES[name], str(tmp_path))
     motion = np.zeros(1, MOTION)
     library.done("session_motion", session, motion)
@@ -139,5 +139,5 @@ def test_points_that_are_too_fast_are_reported_as_by_the_package(library: Librar
     library.plain("session_free", c_void_p(int(handle[0])))
     (tmp_path / "motion.toml").write_text(text, "utf-8")
     with pytest.warns(midair.SceneWarning) as reported:
-        document.read(tmp_path / "motion.toml").solve()
+        solve_motion(motion_of(tmp_path / "motion.toml"))
     assert [said] == [str(each.message) for each in reported if "m/s needs" in str(each.message)]

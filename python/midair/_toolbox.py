@@ -20,17 +20,15 @@ HOMES = {
     "_boards.connection": "Connection connect",
     "_boards.errors": "BoardBusy BoardError BoardLost BoardNotFound BoardPermission BoardTimeout",
     "_files": "read write",
-    "_flight.flight": "Flight",
-    "_flight.fly": "fly weigh",
+    "_flight.fly": "Flight fly weigh",
     "_judging.compare": "Comparison compare",
     "_judging.exposure": "Exposed Exposure exposure",
     "_judging.streaming": "Streaming streaming",
     "_judging.tolerate": "Kept Tolerance tolerate",
     "_measuring.calibrate": "calibrate calibration_drives",
-    "_measuring.doctor": "doctor",
-    "_measuring.player": "Fault Report Tuning",
+    "_measuring.doctor": "Fault Report doctor",
     "_measuring.result": "Calibration",
-    "_measuring.tune": "tune",
+    "_measuring.tune": "Tuning tune",
     "_midair": "Array Batch BatchMetrics Bead Field Gorkov Mesh Metrics OptionInfo Plane PresetInfo "
     "Propagation Reach Rest Scene SceneError SceneWarning Solution Solver SolverInfo Sphere "
     "Wall bound field gorkov judge presets rest solve solve_batch",
@@ -41,10 +39,9 @@ HOMES = {
     "_points.ear": "Ear ear",
     "_points.image": "Picture image",
     "_sequence.felt": "Felt",
-    "_sequence.judged": "SequenceMetrics",
-    "_sequence.multiplex": "multiplex",
+    "_sequence.frames": "SequenceMetrics",
     "_sequence.sequence": "Sequence",
-    "_sequence.solve": "sequence stream",
+    "_sequence.solve": "multiplex sequence stream",
     "_studio.view": "View view",
     "_sweep": "Dataset dataset sweep",
     "_touch.haptic": "Haptic haptic",
@@ -76,8 +73,8 @@ METHODS: dict[type, dict[str, Later]] = {
         "judge": Later("_midair", "judge"),
         "load": Later("_files.record", "load", static=True),
         "modulated": Later("_sequence.solve", "modulated"),
-        "play": Later("_boards.playing", "play"),
-        "plot": Later("_pictures.answer", "answer"),
+        "play": Later("_boards.connection", "play"),
+        "plot": Later("_pictures.plot", "answer"),
         "rest": Later("_midair", "rest"),
         "save": Later("_files.record", "save"),
         "streaming": Later("_judging.streaming", "streaming"),
@@ -100,7 +97,8 @@ CALLED = {
     "points": ("_points.drawn", "points"),
     "mesh": ("_points.drawn", "mesh"),
     "outline": ("_points.drawn", "outline"),
-    "array_of": ("_files.reading", "array_of"),
+    "sound": ("_points.boundary", "sound"),
+    "array_of": ("_files", "array_of"),
     "mesh_file": ("_points.drawn", "read"),
     "write": ("_support.output", "write"),
     "warn": ("_support.arguments", "warn"),
@@ -140,13 +138,6 @@ def guide() -> None:
         for name in names.split():
             if name not in vars(package) and isinstance(loaded.get(name), type):
                 setattr(package, name, slips.guided(loaded[name], f"midair.{name}"))
-
-
-def sound(boundary: _midair.Boundary) -> Any:
-    """Return the sound on a mesh's elements. SciPy and the progress bar are imported with the first mesh."""
-    from ._points.boundary import sound
-
-    return sound(boundary)
 
 
 def declared() -> None:

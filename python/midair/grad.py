@@ -37,10 +37,6 @@ NAMES = ("drive", "points", "positions", "normals", "sound_speed")
 _Subject = Scene | Array | Solution
 
 
-def __dir__() -> list[str]:
-    return __all__
-
-
 class Gradient(NamedTuple):
     """Value at M points, and the gradients of L = Re(sum of conj(cotangent) value).
 
@@ -341,9 +337,8 @@ def run(
             places = (given.get("positions", array.positions), given.get("normals", array.normals))
             parts = {name: getattr(array, name) for name in _midair.array_parts()}
             array = Array(*(np.asarray(place, float) for place in places), **parts)
-        around: dict[str, Any] = (
-            {} if isinstance(own, Array) else {"obstacles": own.obstacles, "bead": own.bead}
-        )
+        bare = isinstance(own, Array)
+        around: dict[str, Any] = {} if bare else {"obstacles": own.obstacles, "bead": own.bead}
         subject = Scene(array, points, **around, **air)
     drive = np.asarray(given["drive"])
     found = _midair.gradient(quantity, subject, drive, points, cotangent, bead)

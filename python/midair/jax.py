@@ -29,10 +29,6 @@ if TYPE_CHECKING:
 __all__ = ["field"]
 
 
-def __dir__() -> list[str]:
-    return __all__
-
-
 def field(
     scene: Scene | Array | Solution,
     drive: Any,

@@ -30,10 +30,6 @@ if TYPE_CHECKING:
 __all__ = ["field"]
 
 
-def __dir__() -> list[str]:
-    return __all__
-
-
 @cache
 def _function() -> tuple[Any, Any]:
     """Return PyTorch and the autograd function, which is defined at the first call."""

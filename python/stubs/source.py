@@ -91,9 +91,8 @@ def read(crate: Path) -> Exported:
     core = (crate.parent / "core" / "src" / "problem" / "metrics.rs").read_text(encoding="utf-8")
     metrics = core.partition("$define! {\n")[2].partition("        }\n")[0]
     for owner, kind in (("Metrics", "f64"), ("BatchMetrics", "PyArray1<f64>")):
-        exported.classes[owner].properties += [
-            Property(name, kind, _doc(before)) for before, name in METRIC.findall(metrics)
-        ]
+        found = METRIC.findall(metrics)
+        exported.classes[owner].properties += [Property(name, kind, _doc(about)) for about, name in found]
     return exported
 
 
@@ -157,9 +156,8 @@ def _function(before: str, name: str, inputs: str, returns: str) -> Function:
         name = named[1]
     if "#[new]" in before:
         name = "_new"
-    stated = re.search(r'text_signature = "\((.*)\)"', options) or re.search(
-        r"signature = \((.*)\)", options, re.DOTALL
-    )
+    stated = re.search(r'text_signature = "\((.*)\)"', options)
+    stated = stated or re.search(r"signature = \((.*)\)", options, re.DOTALL)
     if stated is None:
         arguments = [Argument(*each) for each in kinds.items()]
     else:

@@ -5,8 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
-from midair._boards import line, transport
-from midair._boards.line import LineTransport
+from midair._boards import transport
+from midair._boards.transport import LineTransport
 
 
 class Clock:
@@ -60,7 +60,7 @@ class Kept(LineTransport):
 @pytest.fixture
 def clock(monkeypatch):
     clock = Clock()
-    monkeypatch.setattr(line, "time", clock)
+    monkeypatch.setattr(transport, "time", clock)
     # Without `os`, the transport does not give the tests' process a real-time priority.
     monkeypatch.setattr(transport, "os", None)
     return clock
@@ -139,11 +139,11 @@ def test_a_swap_that_fails_is_reported_at_the_next_call(clock, monkeypatch):
     kept.play(bytes(258))
 
     def fails(content):
-        raise line.BoardError("gone")
+        raise transport.BoardError("gone")
 
     monkeypatch.setattr(kept, "_write", fails)
     swings(kept, 1)
     monkeypatch.undo()
-    with pytest.raises(line.BoardError, match="gone"):
+    with pytest.raises(transport.BoardError, match="gone"):
         kept.play(bytes(258))
     kept.play(bytes(258))

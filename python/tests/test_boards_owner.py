@@ -152,7 +152,7 @@ class Slow:
 def test_a_call_that_keeps_the_device_busy_for_longer_than_hold_is_no_silence(monkeypatch):
     monkeypatch.setattr(guard, "before_what_computes", lambda: None)
     inbox, nowhere = SimpleQueue(), os.open(os.devnull, os.O_WRONLY)
-    served = guard.Guard(Slow(inbox), guard.Owner(os.getppid(), hold=0.1), inbox, guard.Replies(nowhere))
+    served = guard.Guard(Slow(inbox), guard.Owner(os.getppid(), hold=0.1), inbox, nowhere)
     inbox.put((Kind.PLAY, 1, wire.WHEN.pack(0.0, 0.0, wire.Late.WAIT) + b"frame"))
     inbox.put((Kind.MODULATE, 2, wire.MODULATION.pack(200.0)))
     served.run()

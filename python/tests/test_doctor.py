@@ -162,13 +162,13 @@ def test_the_limits_are_those_of_the_documentation(name: str) -> None:
         relative[3] = value if name in ("gain", "no gain", "unsure gain", "phase", "turn") else 1
         middle[1] = value if name in ("delay", "level") else 1
         calibration = SimpleNamespace(
-            microphones=scene.points, microphones_error=np.zeros((1, 3)), outlying=(),
+            scene=scene, microphones=scene.points, microphones_error=np.zeros((1, 3)), outlying=(),
             dead=list(range(10, 10 + value)) if name == "board" else [],
             sound_speed=scene.sound_speed + (value if kind == "sound speed" else 0), sound_speed_error=error,
         )  # fmt: skip
         found: Any = SimpleNamespace(
             relative=relative, middle=middle, error=np.full(20, error), spread=0.0, cycles=(), base="",
-            wave_number=733.0, calibration=calibration, unexplained=value if name == "misfit" else 0.0,
+            calibration=calibration, unexplained=value if name == "misfit" else 0.0,
         )  # fmt: skip
         return {fault.kind for fault in _named(found, boards, np.ones(20, bool), scene, True)[0]}
 

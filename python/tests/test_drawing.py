@@ -11,7 +11,7 @@ from PIL import Image
 import midair
 from midair import _cli as cli, shape
 from midair._midair import scene_files
-from midair._pictures.answer import answer, at_points
+from midair._pictures.plot import answer, at_points
 
 ARRAY = "[array]\ngrid = { nx = 10, ny = 10, pitch = 0.01 }\n"
 SVG = '<svg xmlns="http://www.w3.org/2000/svg"><rect width="30" height="10"/></svg>'

@@ -144,16 +144,16 @@ def test_frames_that_a_table_only_claims_are_refused(tmp_path: Path) -> None:
     text_ = '[array]\npreset = "ultraino_flat8x8"\n[motion]\nfile = "{}"\nrate = 100\n'
     scene = tmp_path / "scene.toml"
     scene.write_text(text_.format("frames.csv"), encoding="utf-8")
-    from midair._sequence import document
+    from midair._sequence.solve import motion_of
 
     with pytest.raises(midair.SceneError, match="1000000001 frames of 1 points need"):
-        document.read(scene)
+        motion_of(scene)
     # An array whose header claims more data than the file has.
     header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000, 4, 3)}\n"
     (tmp_path / "frames.npy").write_bytes(b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header)
     scene.write_text(text_.format("frames.npy"), encoding="utf-8")
     with pytest.raises(midair.SceneError, match="give points"):
-        document.read(scene)
+        motion_of(scene)
 
 
 def test_archives_unpack_to_no_more_than_memory_allows(

@@ -50,12 +50,12 @@ def test_golden_vectors_come_out_bit_for_bit_under_the_scalar_set(tmp_path: Path
 #: A program that solves the motions named on its command line, and prints the bytes of their boards' frames.
 PLAYED = """
 import json, pathlib, sys, warnings, midair
-from midair._sequence import document
+from midair._sequence.solve import motion_of, solve_motion
 warnings.simplefilter("ignore")
 for path in sys.argv[1:]:
     record = json.load(open(path))
     pathlib.Path("motion.json").write_text(json.dumps(record["motion"]))
-    solved = document.read(pathlib.Path("motion.json")).solve()
+    solved = solve_motion(motion_of(pathlib.Path("motion.json")))
     board = midair.Board(record["board"], solved.array)
     assert solved.points.reshape(-1, 3).tolist() == record["points"]
     assert solved.targets.ravel().tolist() == record["targets"]

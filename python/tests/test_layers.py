@@ -63,7 +63,6 @@ COMPUTED = {
 SHORT = {
     "midair.__main__": "python -m midair",
     "midair._boards.start": "the guard's process begins here, before it imports what a board needs",
-    "midair._boards.layout": "files and measurements use it, too",
     "midair._studio.widget": "imports anywidget, an extra",
 }
 
@@ -173,12 +172,12 @@ def test_imports_run_downwards_and_in_no_circle() -> None:
     [
         ("midair._support.text", "from .._sequence.sequence import Sequence"),
         ("midair._points.ear", "def later():\n    from .. import _boards"),
-        ("midair._sweep.axes", "import midair"),
+        ("midair._sweep.engine", "import midair"),
         ("midair._support.text", "import importlib\nimportlib.import_module('midair._boards.guard')"),
         ("midair._support.text", "from importlib import import_module as load\nload('midair._boards')"),
         ("midair._support.text", "import importlib as i\ni.import_module('.._boards', __package__)"),
         ("midair._support.text", "__import__('midair._boards.guard')"),
-        ("midair._sequence.drives", "plot = Later('_files.reading', 'read')"),
+        ("midair._sequence.drives", "plot = Later('_files', 'read')"),
         ("midair._sequence.drives", "HOMES = {'_files': 'read write'}"),
         ("midair._sequence.drives", "def later() -> None:\n    from .._judging.exposure import exposure"),
     ],
@@ -191,16 +190,16 @@ def test_an_import_of_a_higher_layer_is_seen(module: str, line: str) -> None:
 
 def test_a_circle_is_seen_through_a_type_checking_import() -> None:
     texts = sources()
-    texts["midair._sweep.axes"] += "\nif TYPE_CHECKING:\n    from .block import Block\n"
-    texts["midair._sweep.block"] += "\nfrom .axes import plain\n"
-    assert set(circle(graph(texts))) == {"midair._sweep.axes", "midair._sweep.block"}
+    texts["midair._sweep.engine"] += "\nif TYPE_CHECKING:\n    from .block import Block\n"
+    texts["midair._sweep.block"] += "\nfrom .engine import pieces\n"
+    assert set(circle(graph(texts))) == {"midair._sweep.engine", "midair._sweep.block"}
 
 
 def test_a_circle_is_seen_through_a_text() -> None:
     texts = sources()
-    texts["midair._sweep.axes"] += "\nBLOCK = import_module('.block', __package__)\n"
-    texts["midair._sweep.block"] += "\nfrom .axes import plain\n"
-    assert set(circle(graph(texts))) == {"midair._sweep.axes", "midair._sweep.block"}
+    texts["midair._sweep.engine"] += "\nBLOCK = import_module('.block', __package__)\n"
+    texts["midair._sweep.block"] += "\nfrom .engine import pieces\n"
+    assert set(circle(graph(texts))) == {"midair._sweep.engine", "midair._sweep.block"}
 
 
 def test_a_module_that_imports_by_a_computed_name_has_its_reason() -> None:

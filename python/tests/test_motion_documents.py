@@ -10,7 +10,8 @@ import pytest
 
 import midair
 from midair._cli import play
-from midair._sequence import document
+from midair._midair import Motion
+from midair._sequence.solve import motion_of, solve_motion
 
 SCENE = """[array]
 preset = "autd3"
@@ -39,9 +40,9 @@ def command(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(run, capture_output=True, encoding="utf-8", check=False)
 
 
-def read(folder: Path, text: str, name: str = "scene.toml") -> document.Document:
+def read(folder: Path, text: str, name: str = "scene.toml") -> Motion:
     (folder / name).write_text(text, "utf-8")
-    found = document.read(folder / name)
+    found = motion_of(folder / name)
     assert found is not None
     return found
 
@@ -81,7 +82,7 @@ def test_play_and_motion_play_the_same_traps(tmp_path: Path) -> None:
     np.testing.assert_array_equal(played, solved)
     moving = read(tmp_path, text)
     sequence = midair.sequence(
-        moving.array, moving.motion.path, rate=1000, change=0.5, signature="trap", aim="max"
+        moving.scene.array, moving.path, rate=1000, change=0.5, signature="trap", aim="max"
     )
     np.testing.assert_array_equal(played, sequence.drives)
     assert not np.array_equal(played, drives(tmp_path, SCENE)[0])
@@ -89,7 +90,7 @@ def test_play_and_motion_play_the_same_traps(tmp_path: Path) -> None:
 
 def test_frames_are_read_by_the_names_of_their_columns(tmp_path: Path) -> None:
     (tmp_path / "frames.csv").write_text("frame,point,z,x,y\n1,0,0.15,0.02,0\n0,0,0.15,0.01,0\n", "utf-8")
-    points, _ = read(tmp_path, FRAMES).motion.path.frames(1000)
+    points, _ = read(tmp_path, FRAMES).path.frames(1000)
     np.testing.assert_array_equal(points, [[[0.01, 0.0, 0.15]], [[0.02, 0.0, 0.15]]])
 
 
@@ -160,7 +161,7 @@ def test_a_file_that_is_not_there_is_named_once(tmp_path: Path) -> None:
 def test_a_mistake_is_reported_in_its_own_line(tmp_path: Path, name: str, text: str, fault: str) -> None:
     (tmp_path / name).write_text(text, "utf-8")
     with pytest.raises(midair.SceneError) as refusal:
-        document.read(tmp_path / name)
+        motion_of(tmp_path / name)
     assert fault in str(refusal.value), refusal.value
     assert str(refusal.value).count(name) == 1
     for verb in ("motion", "solve", "compare"):
@@ -188,7 +189,7 @@ def test_a_refused_value_of_motion_is_reported_in_its_line(
     assert str(refusal.value).startswith(f"{tmp_path / 'scene.toml'}, {fault}")
     # A value passed as an argument has no line in the file.
     with pytest.raises(midair.SceneError, match=r"^rate is -3"):
-        read(tmp_path, SCENE).solve(rate=-3)
+        solve_motion(read(tmp_path, SCENE), rate=-3)
 
 
 def test_json_and_toml_of_one_motion_are_the_same(tmp_path: Path) -> None:
@@ -200,7 +201,7 @@ def test_json_and_toml_of_one_motion_are_the_same(tmp_path: Path) -> None:
         "motion": {"rate": 1000, "change": 0.5, "path": [circle]},
     }
     other = read(tmp_path, json.dumps(text), "scene.json")
-    np.testing.assert_array_equal(one.solve().drives, other.solve().drives)
+    np.testing.assert_array_equal(solve_motion(one).drives, solve_motion(other).drives)
 
 
 @pytest.mark.slow
@@ -208,7 +209,7 @@ def test_a_scene_that_rests_is_no_motion(tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text(
         "[array]\npreset = 'autd3'\n[[points]]\nposition = [0, 0, 0.15]\n", "utf-8"
     )
-    assert document.read(tmp_path / "a.toml") is None
+    assert motion_of(tmp_path / "a.toml") is None
     run = command("motion", str(tmp_path / "a.toml"))
     assert "has no [motion]" in run.stderr
 
@@ -216,7 +217,7 @@ def test_a_scene_that_rests_is_no_motion(tmp_path: Path) -> None:
 def test_a_focus_that_stays_is_a_path_of_a_file(tmp_path: Path) -> None:
     table = 'kind = "still"\nplaces = [[0.0, 0.0, 0.15]]\nduration = 0.02\nam = { frequency = 200 }\n'
     text = SCENE[: SCENE.index('kind = "circle"')].replace('aim = "max"\n', "")
-    solved = read(tmp_path, text + table).solve()
+    solved = solve_motion(read(tmp_path, text + table))
     assert (len(solved), solved.closed) == (20, True)
     assert np.all(solved.points == [0, 0, 0.15])
     assert solved.targets.max() > 1.5 * solved.targets.min()

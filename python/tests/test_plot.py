@@ -8,9 +8,8 @@ from matplotlib.figure import Figure
 
 import midair
 from figures import flat, images, marks, titles
-from midair._pictures.answer import answer
 from midair._pictures.colours import table
-from midair._pictures.plot import contact_sheet
+from midair._pictures.plot import answer, contact_sheet
 from scenes import POINTS, small
 
 BOARD = {"phases": 32, "amplitudes": [0, 1]}

@@ -94,7 +94,7 @@ def test_blocks_leave_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
     before = [one.judge(TAU, hold=hold) for one in (whole, closed) for hold in ("hold", "linear")]
     inside = whole.between(TAU, substeps=5).pressures
     monkeypatch.setattr(drives, "BLOCK", 100)
-    monkeypatch.setattr("midair._sequence.envelope.BLOCK", 100)
+    monkeypatch.setattr("midair._sequence.drives.BLOCK", 100)
     parts, others = made(), made(closed=True)
     assert same_bits(parts.changes, whole.changes)
     assert parts.pressures == pytest.approx(whole.pressures, rel=1e-5)

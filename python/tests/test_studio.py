@@ -15,9 +15,9 @@ import pytest
 
 import midair
 from midair import _cli as cli
-from midair._cli import studio as command
-from midair._studio.page import BUILT
+from midair._cli import serve as command
 from midair._studio.server import POLICY, Server
+from midair._studio.view import BUILT
 from pages import FILES, build
 
 #: Time limit in s, so that a hang is a failed test and not a hung test suite.
@@ -203,8 +203,8 @@ def test_a_scene_that_cannot_be_shown_is_one_line(
 def test_the_command_serves_a_scene_until_ctrl_c(built: Path, tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(SCENE, "utf-8")
     program = (
-        "import functools, pathlib, sys; from midair import _cli as cli; from midair._cli import studio;"
-        "studio.Server = functools.partial(studio.Server, folder=pathlib.Path(sys.argv[1]));"
+        "import functools, pathlib, sys; from midair import _cli as cli; from midair._cli import serve;"
+        "serve.Server = functools.partial(serve.Server, folder=pathlib.Path(sys.argv[1]));"
         "cli.main(['studio', 'scene.toml', '--no-browser'])"
     )
     process = subprocess.Popen(

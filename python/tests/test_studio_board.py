@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 import midair
-from midair._cli import studio as command
-from midair._studio.page import greeting, scene_text
+from midair._cli import serve as command
 from midair._studio.server import PagesBoard, Server
+from midair._studio.view import greeting, scene_text
 from pages import build
 
 #: Time limit in s, so that a hang is a failed test and not a hung test suite.

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 import midair
-from midair._studio.page import KEYS, misfits, scene_text
-from midair._studio.view import View
+from midair._studio.view import KEYS, View, misfits, scene_text
 from pages import FILES, SHOWN, autd3, build
 
 ROOT = Path(__file__).parents[2]

@@ -5,7 +5,7 @@ import os
 import re
 from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,10 +19,7 @@ KINDS = Codec.kinds()
 
 #: Python package that each kind of link needs: its name to install, its name to import, and the extra of
 #: midair that installs it.
-NEEDS = {
-    "serial": ("pyserial", "serial", "serial"),
-    "fifo": ("pyftdi", "pyftdi", "ftdi"),
-}
+NEEDS = {"serial": ("pyserial", "serial", "serial"), "fifo": ("pyftdi", "pyftdi", "ftdi")}
 
 #: Suffix of the names of presets that contain two boards, as in "sonicsurface_pair".
 PAIR = "_pair"
@@ -31,8 +28,7 @@ PAIR = "_pair"
 DEFAULT = "autd3"
 
 
-@dataclass(frozen=True)
-class Address:
+class Address(NamedTuple):
     """A parsed address: the board's name (or None), the kind of its link, and the rest: a port or path."""
 
     board: str | None
@@ -63,7 +59,7 @@ def parse(address: Any) -> Address:
             raise refused("address", text, f"write the board before its port, as in sonicsurface:{text}")
         meant = nearest(kind, list(KINDS))
         hint = f"did you mean {meant}? " if meant else ""
-        known = ", ".join(("null", "file:PATH", "autd3", *_examples()))
+        known = ", ".join(("null", "file:PATH", "autd3", *(f"{kind}:{_place(kind)}" for kind in KINDS)))
         raise refused("address", text, f"there is no such board, {hint}give one of {known}")
     if where in ("null", "loop"):
         return Address(name, where, "")
@@ -130,10 +126,6 @@ def _places(address: Address, board: Board) -> list[tuple[str, int]]:
     if len(serials) != board.lines or not all(serials):
         raise refused("address", f"{address.board}:{address.where}", f"give {board.lines} serial numbers")
     return [(serial, 1) for serial in serials]
-
-
-def _examples() -> list[str]:
-    return [f"{kind}:{_place(kind)}" for kind in KINDS]
 
 
 def _place(kind: str) -> str:

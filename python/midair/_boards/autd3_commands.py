@@ -83,9 +83,7 @@ class Protocol(NamedTuple):
 
 
 #: Protocols by number, the newest first.
-PROTOCOLS = {
-    each.number: each for each in (Protocol(5, "0.13", False, True), Protocol(3, "0.12", True, False))
-}
+PROTOCOLS = {5: Protocol(5, "0.13", False, True), 3: Protocol(3, "0.12", True, False)}
 
 
 class Command(IntEnum):

@@ -1,16 +1,35 @@
-"""`midair.Board`: converts drives to the bytes of a board, and back."""
+"""`midair.Board`: converts drives to the bytes of a board, and back; arrays from files of boards."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from os import PathLike, fspath
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Codec, Solution, numbers, presets
+from .._midair import Array, Codec, Solution, array_parts, numbers, presets
 from .._support.arguments import refused, warn
-from .layout import changed
+
+
+class Layout(NamedTuple):
+    """Positions and normals (N, 3) in m, other data of a file, named as in `midair.Array`; Hz of hardware."""
+
+    positions: NDArray[np.float64]
+    normals: NDArray[np.float64] | None = None
+    source_pressure: float | None = None
+    directivity: Any = None
+    response: NDArray[np.float64] | None = None
+    mask: NDArray[np.bool_] | None = None
+    pins: NDArray[np.int64] | None = None
+    quantization: Any = None
+    frequency: float = 40e3
+
+
+def changed(array: Array, **parts: Any) -> Array:
+    """Return a copy of an array with some of its parts replaced."""
+    own = {name: getattr(array, name) for name in ("positions", "normals", *array_parts())}
+    return Array(**{**own, **parts})._with_hardware(array._hardware)
 
 
 class Board:

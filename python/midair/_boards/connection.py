@@ -1,36 +1,27 @@
 """`midair.connect`: a board that plays drives until its connection is closed."""
 
-from __future__ import annotations
-
 import json
 import math
 import time
 import weakref
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Future, wait
 from contextlib import suppress
+from itertools import count
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Solution
+from .._midair import Array, Solution, stated
 from .._sequence import Sequence
 from .._support.arguments import frame_rate, is_array, number, refused
-from . import wire
+from . import connection as connections, wire
 from .address import DEFAULT, Address, describe, modulation, parse
 from .board import Board
 from .errors import BoardError, BoardLost, BoardTimeout
-from .limit import (
-    Limit,
-    check_rate,
-    given_drives,
-    refuse_real,
-    timed,
-    warn_of_scale,
-    warn_of_seam,
-)
+from .limit import Limit, check_rate, given_drives, refuse_real, timed, warn_of_scale, warn_of_seam
 from .process import PATIENCE, GuardProcess, Stats
 from .wire import Kind, Late
 
@@ -209,7 +200,7 @@ class Connection:
         """Turn everything off and release the board. Never raises, never hangs, can be called repeatedly."""
         self._finalizer()
 
-    def __enter__(self) -> Connection:
+    def __enter__(self) -> "Connection":
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:
@@ -400,3 +391,64 @@ def connect(
     if place.kind_of_board not in (None, board.name):
         raise refused("board", board.name, f'the address "{address}" names another, leave one of them out')
     return Connection(place, board, seconds, None if limit is None else Limit(limit, board.array))
+
+
+#: Time in s after which a drive is sent again, so that the connection's `hold` time does not expire.
+AGAIN = 10.0
+
+#: Seconds between two checks of the board's state.
+LOOK = 0.1
+
+
+def keep(
+    connection: Connection,
+    solution: Solution,
+    seconds: float | None,
+    show: Callable[[], object] = lambda: None,
+) -> None:
+    """Play one drive for a number of seconds, or until Ctrl-C if None. Calls `show` repeatedly."""
+    begin = time.monotonic()
+    for k in count():
+        if k % round(AGAIN / LOOK) == 0:
+            connection.send(solution)
+        left = math.inf if seconds is None else begin + seconds - time.monotonic()
+        if left <= 0:
+            return
+        time.sleep(min(LOOK, left))
+        show()
+
+
+def play(solution: Solution, address: str, *, seconds: float | None = None, **options: Any) -> None:
+    """Play a solution on a board, then turn the board off: `solution.play("autd3", seconds=5)`.
+
+    Parameters
+    ----------
+    solution : midair.Solution
+        The solution to play.
+    address : str
+        The board and its place, as for `midair.connect`.
+    seconds : float, optional
+        Duration in s; by default until Ctrl-C.
+    **options
+        Other arguments of `midair.connect`.
+
+    Raises
+    ------
+    SceneError
+        For a duration that is not above 0 and for a solution without a scene.
+    BoardError
+        As for `midair.connect` and `Connection.send`.
+
+    Examples
+    --------
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("sonicsurface"), [[0, 0, 0.1]])
+    >>> midair.solve(scene).play("sonicsurface:loop", seconds=0.1)
+    """
+    duration = None if seconds is None else number("seconds", seconds, above=0)
+    if solution.scene is None:
+        cure = "give a solution of a Scene, whose array the board drives"
+        raise stated("solution.scene", "is None", cure, code="missing")
+    given = {} if "board" in options else {"array": solution.scene.array}
+    with connections.connect(address, **{**given, **options}) as connection:
+        keep(connection, solution, duration)

@@ -16,9 +16,8 @@ import time
 from collections import deque
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from queue import Empty, SimpleQueue
-from typing import Any
+from typing import Any, NamedTuple
 
 from . import wire
 from .errors import BoardError, BoardLost, BoardTimeout, named
@@ -38,8 +37,7 @@ BUSY = {Kind.UPLOAD: 10.0, Kind.MODULATE: 10.0}
 Message = tuple[Kind, int, bytes]
 
 
-@dataclass(frozen=True)
-class Waiting:
+class Waiting(NamedTuple):
     """A frame that waits until it is due. `number` is the number of the message that sent it."""
 
     due: float
@@ -49,8 +47,7 @@ class Waiting:
     frame: bytes
 
 
-@dataclass(frozen=True)
-class State:
+class State(NamedTuple):
     """What a device does: it is off, lost, or plays frames since a time, in a loop at `rate` a second."""
 
     name: str
@@ -100,34 +97,19 @@ class Owner:
         return self.called + self._hold - time.monotonic()
 
 
-class Replies:
-    """The pipe for answers to the owner; several threads write into it."""
-
-    def __init__(self, pipe: int) -> None:
-        self._pipe = pipe
-        self._lock = threading.Lock()
-
-    def send(self, kind: Kind, number: int, content: bytes = b"") -> None:
-        """Answer a message. Number 0 needs no answer."""
-        # `Guard.run` detects an owner that is gone.
-        if number:
-            with suppress(wire.Gone), self._lock:
-                wire.write(self._pipe, kind, number, content)
-
-
 class Guard:
     """Executes the owner's messages on a device, plays frames when they are due, and watches the owner.
 
     `inbox` is the queue of the owner's messages.
     """
 
-    def __init__(
-        self, transport: Transport, owner: Owner, inbox: SimpleQueue[Message], replies: Replies
-    ) -> None:
+    def __init__(self, transport: Transport, owner: Owner, inbox: SimpleQueue[Message], replies: int) -> None:
         self._transport = transport
         self._owner = owner
         self._inbox = inbox
         self._replies = replies
+        #: Several threads write answers.
+        self._lock = threading.Lock()
         self._put_by: list[Message] = []
         self._waiting: deque[Waiting] = deque()
         self._state = OFF
@@ -167,7 +149,14 @@ class Guard:
         """
         self._owner.beaten = now = time.monotonic()
         if now < self._until:
-            self._replies.send(Kind.DONE, number)
+            self._reply(Kind.DONE, number)
+
+    def _reply(self, kind: Kind, number: int, content: bytes = b"") -> None:
+        """Answer a message. Number 0 needs no answer."""
+        # `run` detects an owner that is gone.
+        if number:
+            with suppress(wire.Gone), self._lock:
+                wire.write(self._replies, kind, number, content)
 
     def _come(self) -> list[Message]:
         """Wait for messages, at most until the next task, and return those that arrived."""
@@ -203,9 +192,9 @@ class Guard:
             count, rate = wire.UPLOADED.unpack_from(content)
             self._attempt(number, self._upload, content[wire.UPLOADED.size :], count, rate)
         elif kind == Kind.EMITTING:
-            self._replies.send(Kind.FRAME, number, self._state.frame())
+            self._reply(Kind.FRAME, number, self._state.frame())
         else:
-            self._replies.send(Kind.DONE, number, self.status())
+            self._reply(Kind.DONE, number, self.status())
         if kind not in (Kind.STATUS, Kind.EMITTING):
             # A call that has kept the device busy for longer than `hold` is no silence of the owner.
             self._owner.called = time.monotonic()
@@ -222,7 +211,7 @@ class Guard:
             reported = BoardLost(f"the link failed ({named(error)}): connect again")
             self._fail(number, reported, lost=True)
         else:
-            self._replies.send(Kind.DONE, number, self.status())
+            self._reply(Kind.DONE, number, self.status())
 
     def _fail(self, number: int, error: BoardError, *, lost: bool) -> None:
         """Answer a failed call, and all calls whose frames still wait, with an error; turn everything off."""
@@ -235,7 +224,7 @@ class Guard:
         failed, self._waiting = self._waiting, deque()
         self._state = LOST if lost else OFF
         for each in (number, *(other.number for other in failed)):
-            self._replies.send(Kind.FAILED, each, self.status(**reported))
+            self._reply(Kind.FAILED, each, self.status(**reported))
         with suppress(Exception):
             self._transport.silence()
 
@@ -244,7 +233,7 @@ class Guard:
         first, now = self._waiting.popleft(), time.monotonic()
         if first.late == Late.SKIP and self._waiting and self._waiting[0].due <= now:
             self._counts["late"] += 1
-            self._replies.send(Kind.DONE, first.number, self.status())
+            self._reply(Kind.DONE, first.number, self.status())
         elif first.late == Late.ERROR and now > first.latest:
             self._counts["late"] += 1
             late = BoardTimeout(wire.LATE.format(1e3 * (now - first.due)))
@@ -278,7 +267,7 @@ class Guard:
             self._transport.silence()
         finally:
             for each in dropped:
-                self._replies.send(Kind.DONE, each.number, self.status())
+                self._reply(Kind.DONE, each.number, self.status())
 
     def status(self, **more: str) -> bytes:
         """Return the status for the owner, as JSON."""
@@ -305,7 +294,7 @@ def main() -> None:
     transport: Transport | None = None
     try:
         transport = open_transport(setting["transport"])
-        guard = Guard(transport, Owner(parent, setting["hold"]), inbox, Replies(replies))
+        guard = Guard(transport, Owner(parent, setting["hold"]), inbox, replies)
         served.append(guard)
         watch.begin({name: setting[name] for name in ("path", "transport", "owner")})
         wire.write(replies, Kind.DONE, number, guard.status())

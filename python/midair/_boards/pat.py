@@ -6,8 +6,8 @@ positions "(x, y, z)," in m; the pin of each transducer; phase corrections in de
 """
 
 import re
-from dataclasses import dataclass
 from os import PathLike
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,19 +17,11 @@ from .._support.text import fault, numbers, text
 #: Number of transducers of a board.
 COUNT = 256
 
-LINES = (
-    "serial number",
-    "number of transducers",
-    "divisions of a period",
-    "positions",
-    "pins",
-    "corrections",
-    "gains",
-)
+LINES = ["serial number", "number of transducers", "divisions of a period", "positions", "pins"]
+LINES += ["corrections", "gains"]
 
 
-@dataclass(frozen=True, eq=False)
-class Pat:
+class Pat(NamedTuple):
     """Data of an OpenMPD board; the transducers are in the order of the file, index t = 16 x + y.
 
     Attributes
@@ -98,9 +90,8 @@ def _positions(path: str | PathLike[str], found: str) -> NDArray[np.float64]:
     if rest:
         raise fault(path, 4, f'"{rest[:40]}" is no position', "give (x, y, z) in m, with commas between")
     if len(triples) != COUNT:
-        raise fault(
-            path, 4, f"{len(triples)} positions", f"give (x, y, z) in m for each of {COUNT} transducers"
-        )
+        cure = f"give (x, y, z) in m for each of {COUNT} transducers"
+        raise fault(path, 4, f"{len(triples)} positions", cure)
     for index, triple in enumerate(triples):
         if triple.count(",") != 2:
             raise fault(path, 4, f"position {index} is ({triple})", "give three numbers, x, y, z in m")

@@ -1,7 +1,5 @@
 """The owner's side of a guard process: sends calls, and turns the device off if the guard dies."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess
@@ -56,7 +54,7 @@ class Stats:
     late: int
     lapses: int
 
-    def __sub__(self, before: Stats) -> Stats:
+    def __sub__(self, before: "Stats") -> "Stats":
         return Stats(self.frames - before.frames, self.late - before.late, self.lapses - before.lapses)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import serial
 
 from .errors import BoardBusy, BoardError, BoardNotFound, BoardPermission, BoardTimeout, gone, reason
-from .line import LineTransport
+from .transport import LineTransport
 
 #: A line that accepts no bytes for this time, in s, counts as lost. The system's buffers add to it: 0.6 s at
 #: 230400 Bd, 1.5 s at 115200 Bd, measured with a pseudo-terminal.

@@ -4,8 +4,7 @@ from typing import Any
 
 from .autd3_commands import check_count, divider, modulation
 from .errors import BoardError
-from .line import LineTransport
-from .transport import Transport
+from .transport import LineTransport, Transport
 
 
 class NullTransport(Transport):

@@ -20,7 +20,7 @@ from .progress import FAULT, INTERRUPTED, REFUSED, UNREAD, abandon, fault, one_l
 COMMANDS = {
     "new": ("new", "Write a commented scene file to begin with."),
     "solve": ("solve", "Find a drive for a scene, judge it, write what is requested."),
-    "compare": ("compare", "Solve a scene by several methods: a table and a picture."),
+    "compare": ("solve", "Solve a scene by several methods: a table and a picture."),
     "solvers": ("presets", "List the solvers with their options and defaults."),
     "presets": ("presets", "List the arrays known by name."),
     "reproduce": ("sweep", "Make the figures of Suzuki et al. 2021 anew, and judge them."),
@@ -31,13 +31,13 @@ COMMANDS = {
     "motion": ("motion", "Solve the frames of points that move, and judge them."),
     "calibrate": ("calibrate", "Find an array's responses and the sound speed from readings."),
     "doctor": ("calibrate", "Find what is wrong with a board, by a microphone."),
-    "boards": ("boards", "List the boards that can be played."),
-    "ports": ("boards", "List the serial ports. None is opened."),
+    "boards": ("presets", "List the boards that can be played."),
+    "ports": ("presets", "List the serial ports. None is opened."),
     "play": ("play", "Play a scene, a drive or a sequence on a board."),
-    "off": ("boards", "Turn a board off."),
+    "off": ("play", "Turn a board off."),
     "export": ("new", "Write the drives of a file in another format."),
     "serve": ("serve", "Play points that other programs send, by WebSocket or OSC."),
-    "studio": ("studio", "Open the studio in the browser. Ctrl-C ends it."),
+    "studio": ("serve", "Open the studio in the browser. Ctrl-C ends it."),
 }
 
 

@@ -4,15 +4,14 @@ import json as json_text
 from pathlib import Path
 
 from .. import Sequence
-from .._midair import solver_name, stated
-from .._sequence.animation import ENDINGS
-from .._sequence.document import Document, read
+from .._midair import Motion, solver_name, stated
+from .._sequence.picture import ENDINGS
+from .._sequence.solve import motion_of, solve_motion, solver_of
 from .._sequence.store import Output
 from .._support import output
 from .._support.text import counted
-from .keywords import Json, OutputFile
+from .given import Json, OutputFile, check_outputs
 from .progress import progress_bar
-from .scene import check_outputs
 from .tables import best_of, print_columns, print_line, print_written, write_image
 
 #: Metrics of a sequence and their number formats.
@@ -56,10 +55,10 @@ def motion_command(
         raise stated("--solvers", f"is {solvers}", "a file is of one sequence, give one solver")
     outputs = (output_file, (".npz",)), (image, output.IMAGES), (animate, ENDINGS)
     check_outputs(*outputs, taken=[scene])
-    requested = read(scene)
+    requested = motion_of(scene)
     if requested is None:
         raise stated(f'scene file "{scene}"', "has no [motion]", "add this table, as docs/motion.md shows")
-    found = {name: _solved(requested, name, output_file) for name in names or [requested.solver]}
+    found = {name: _solved(requested, name, output_file) for name in names or [solver_of(requested)]}
     if json:
         print(json_text.dumps({name: one.metrics.asdict() for name, one in found.items()}))
     else:
@@ -77,12 +76,12 @@ def motion_command(
     return 0
 
 
-def _solved(requested: Document, name: str, file: Path | None) -> Sequence:
+def _solved(requested: Motion, name: str, file: Path | None) -> Sequence:
     # With ahead="all" all frames are found together, so the file is written at the end.
-    together = requested.motion.settings.get("ahead") == "all"
+    together = requested.settings.get("ahead") == "all"
     pieces = None if together or file is None else Output(file)
     with progress_bar(f"solving by {name}") as tell:
-        found = requested.solve(solver=name, progress=tell, resume=pieces)
+        found = solve_motion(requested, solver=name, progress=tell, resume=pieces)
     if together and file is not None:
         found.save(file)
     return found

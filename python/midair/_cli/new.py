@@ -7,11 +7,10 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from .._files import ControlPoints, read, write
-from .._files.writing import ENDINGS
+from .._files import WRITTEN, ControlPoints, read, write
 from .._midair import stated
 from .._support import output
-from .scene import STANDARD, check_outputs
+from .given import STANDARD, check_outputs
 from .tables import print_written
 
 
@@ -38,7 +37,7 @@ def export_command(
     modulate
         For points, the frequency in Hz of the device's modulation.
     """
-    check_outputs((output, ENDINGS), taken=[drives])
+    check_outputs((output, WRITTEN), taken=[drives])
     found = read(drives, board=board)
     if isinstance(found, ControlPoints) and layout is None:
         layout = "points"

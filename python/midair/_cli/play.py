@@ -1,4 +1,4 @@
-"""`midair play`: plays a drive, a scene or a sequence on a board, for some time or until Ctrl-C."""
+"""`midair play` (a drive, a scene or a sequence, for some time or until Ctrl-C) and `midair off`."""
 
 import math
 import re
@@ -16,14 +16,15 @@ from rich.console import Console
 from rich.live import Live
 
 from .. import Array, Board, Connection, Scene, Sequence, Solution, connect, read, solve
-from .._boards.address import DEFAULT, can_modulate, parse
-from .._boards.playing import LOOK, keep
+from .._boards.address import DEFAULT, KINDS, PAIR, can_modulate, parse
+from .._boards.connection import LOOK, keep
 from .._midair import stated
 from .._points.ear import REFERENCE
-from .._sequence import document
+from .._sequence.solve import motion_of, solve_motion
 from .._support.arguments import number, refused
 from .._support.text import counted
 from .progress import progress_bar, tell
+from .tables import print_line
 
 #: Seconds per unit in the option --for.
 UNITS = {"ms": 1e-3, "s": 1.0, "": 1.0, "min": 60.0, "h": 3600.0}
@@ -93,14 +94,13 @@ def _thing(path: Path, solver: str | None, board: Callable[[Array], Board]) -> S
         if not isinstance(found, Solution | Sequence) or (
             isinstance(found, Solution) and found.scene is None
         ):
-            raise stated(
-                f'"{path}"', "does not say what array it is for", "give what midair solve or motion wrote"
-            )
+            cure = "give what midair solve or motion wrote"
+            raise stated(f'"{path}"', "does not say what array it is for", cure)
         return found
-    moving = document.read(path)
+    moving = motion_of(path)
     if moving is not None:
         with progress_bar("solving") as show:
-            return moving.solve(board(moving.array).array, solver, progress=show)
+            return solve_motion(moving, board(moving.scene.array).array, solver, progress=show)
     scene = Scene.load(path)
     return solve(scene.replace(array=board(scene.array).array), solver)
 
@@ -165,3 +165,33 @@ def _status(
         connection.close()
         passed = time.monotonic() - begin
         tell(f"off after {passed:.1f} s: {counted(stats.frames, 'frame')}, {stats.late} late")
+
+
+#: Longest chain of boards with 64 transducers.
+MOST_MEGA64 = 14
+
+#: Kind of board that is assumed for an address without one.
+BOARD = "sonicsurface"
+
+
+def off_command(address: str) -> int:
+    """Turn a board off.
+
+    Parameters
+    ----------
+    address
+        A board and its place, such as mega64:/dev/ttyACM0; a port alone means a SonicSurface.
+    """
+    alone = address.partition(":")[0].removesuffix(PAIR) not in (*KINDS, "null")
+    if address.startswith("file:"):
+        raise refused("address", address, "a file plays nothing, give a board")
+    # A connection turns the board off when it opens and when it closes.
+    whole = f"{BOARD}:{address}" if alone else address
+    # An array for the longest chain turns off chains of any length.
+    array = Array.grid(64, MOST_MEGA64, 10e-3) if whole.startswith("mega64:") else None
+    with connect(whole, array=array) as board:
+        board.off()
+    reported = f"{board.board.name} at {address} is off"
+    cure = f"; it was taken for a {BOARD}; else use midair off BOARD:{address}" if alone else ""
+    print_line(reported + cure)
+    return 0

@@ -1,25 +1,23 @@
-"""`midair presets` and `midair solvers`: list them or describe one; draw the presets' transducers."""
-
-from __future__ import annotations
+"""Lists: `midair presets`, `solvers`, `boards` and `ports`; each describes one of its entries, too."""
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from .. import Array, Solver, SolverInfo, presets, solvers
+from .. import Array, Board, Solver, SolverInfo, ports, presets, solvers
+from .._boards.address import KINDS
 from .._midair import preset_name, solver_name
+from .._pictures.colours import Figure
 from .._support import output
-from .keywords import Json
-from .scene import check_outputs
-from .tables import console, print_facts, print_list, print_written, write_image
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from .._support.text import counted
+from .given import Json, check_outputs
+from .tables import console, print_columns, print_facts, print_line, print_list, print_written, write_image
 
 #: Panels per row of the picture.
 COLUMNS = 4
@@ -120,12 +118,7 @@ def _solver_record(info: SolverInfo) -> dict[str, Any]:
     return {**known, "uses_phases": info.uses_phases, "options": options}
 
 
-def presets_command(
-    name: str | None = None,
-    *,
-    image: Path | None = None,
-    json: Json = False,
-) -> int:
+def presets_command(name: str | None = None, *, image: Path | None = None, json: Json = False) -> int:
     """List the arrays known by name.
 
     Parameters
@@ -140,7 +133,13 @@ def presets_command(
     if json:
         print(output.to_json({name: _record(name) for name in names}))
     elif name is None:
-        _print_list()
+        known = presets()
+        columns = {
+            "preset": list(known),
+            "transducers": [str(info.count) for info in known.values()],
+            "what it is": [info.summary for info in known.values()],
+        }
+        print_list("presets", columns)
     else:
         _print_one(names[0])
     if image is not None:
@@ -148,16 +147,6 @@ def presets_command(
         if not json:
             print_written(image)
     return 0
-
-
-def _print_list() -> None:
-    known = presets()
-    columns = {
-        "preset": list(known),
-        "transducers": [str(info.count) for info in known.values()],
-        "what it is": [info.summary for info in known.values()],
-    }
-    print_list("presets", columns)
 
 
 def _print_one(name: str) -> None:
@@ -187,15 +176,86 @@ def _print_one(name: str) -> None:
 
 def _record(name: str) -> dict[str, Any]:
     info, array = presets()[name], Array.preset(name)
+    names = ("summary", "source", "count", "tiles", "source_pressure", "board")
+    known = {name: getattr(info, name) for name in names}
+    known |= {"directivity": array.directivity, "medium": array.medium}
+    return known | {"extent": np.ptp(array.positions, axis=0)[:2], "quantization": array.quantization}
+
+
+def ports_command(*, json: Json = False) -> int:
+    """List the serial ports, and the boards that their adapters could be. Opens none of them."""
+    found = ports()
+    if json:
+        print(output.to_json([asdict(port) for port in found]))
+        return 0
+    if not found:
+        console.print("no serial port: plug the board's adapter in")
+        return 0
+    columns = {
+        "port": [port.name for port in found],
+        "what the system calls it": [port.description for port in found],
+        "maker": [port.maker or "-" for port in found],
+        "serial number": [port.serial_number or "-" for port in found],
+        "could be": [port.could_be or "-" for port in found],
+    }
+    print_columns("ports", columns)
+    opened = "none opened: midair play SCENE --on BOARD:PORT plays on one"
+    print_line(f"{counted(len(found), 'serial port')}, {opened}")
+    return 0
+
+
+def boards_command(name: str | None = None, *, json: Json = False) -> int:
+    """List the boards that can be played.
+
+    Parameters
+    ----------
+    name
+        A kind of board, or an array of one, to describe it alone.
+    """
+    names = list(KINDS) if name is None else [name]
+    records = {name: _board_record(name) for name in names}
+    if json:
+        print(output.to_json(records))
+    elif name is None:
+        known = records.values()
+        columns = {
+            "board": list(records),
+            "channels": [str(record["transducers"]) for record in known],
+            "phases": [str(record["phases"]) for record in known],
+            "what it is": [record["summary"] for record in known],
+        }
+        print_list("boards", columns)
+    else:
+        _print_board(name, records[name])
+    return 0
+
+
+def _print_board(name: str, record: dict[str, Any]) -> None:
+    amplitudes = record["amplitudes"]
+    shown = ", ".join(f"{amplitude:.3g}" for amplitude in amplitudes[:6])
+    line = "no serial line" if record["baud"] is None else f"serial, {record['baud']} baud"
+    lines = {
+        "board": name,
+        "what it is": record["summary"],
+        "transducers": str(record["transducers"]),
+        "boards": f"{record['boards']} of at most {record['most_boards']}",
+        "phases": str(record["phases"]),
+        "amplitudes": f"{len(amplitudes)}: {shown}{', ...' if len(amplitudes) > 6 else ''}",
+        "line": line,
+        "frame": f"{record['frame_bytes']} bytes, {record['frames_per_second']:.4g} a second",
+        "source": record["source"],
+        "Python": f'midair.Board("{name}")',
+    }
+    print_facts(lines)
+
+
+def _board_record(name: str) -> dict[str, Any]:
+    board = Board(name)
+    kind = KINDS[board.name]
     return {
-        "summary": info.summary,
-        "source": info.source,
-        "count": info.count,
-        "tiles": info.tiles,
-        "source_pressure": info.source_pressure,
-        "board": info.board,
-        "directivity": array.directivity,
-        "medium": array.medium,
-        "extent": np.ptp(array.positions, axis=0)[:2],
-        "quantization": array.quantization,
+        "summary": kind.summary,
+        "source": kind.source,
+        "link": board.link,
+        "baud": board.baud,
+        **board.limits,
     }

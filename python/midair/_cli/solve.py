@@ -1,4 +1,4 @@
-"""`midair solve`: solves a scene; prints metrics, writes the drive, draws the field."""
+"""`midair solve` (a drive for a scene, judged and written) and `midair compare` (by several solvers)."""
 
 import json as json_text
 from inspect import signature
@@ -8,13 +8,13 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from .. import Scene, Solution, field, solve, solvers
+from .._judging.compare import Comparison, choices, growing
 from .._midair import nearest, stated
 from .._pictures.colours import Quantity
 from .._support import output
 from .._support.ctrl_c import interruptible
-from .keywords import Json, Numbers, OutputFile, Places, SolverName
+from .given import STANDARD, Json, Numbers, OutputFile, Places, SceneFile, SolverName, check_outputs, typed
 from .progress import progress_bar, tell as say
-from .scene import STANDARD, SceneFile, check_outputs, typed_scene
 from .tables import beside, print_field, print_solutions, print_written, write_image
 
 
@@ -70,8 +70,8 @@ def solve_command(
     options
         Options of the solver, as --name value.
     """
-    typed = (preset, tiles, at, pressure)
-    if scene is not None and any(typed):
+    words = (preset, tiles, at, pressure)
+    if scene is not None and any(words):
         raise stated("", "--preset, --tiles, --at and --pressure go without a scene file", "change the file")
     if json and output_file == STANDARD:
         raise stated("", "--json and -o - both want standard output", "leave one of them out")
@@ -80,7 +80,7 @@ def solve_command(
     outputs = (output_file, output.DRIVES), (image, output.IMAGES)
     if scene is None:
         check_outputs(*outputs)
-        request = typed_scene(*typed)
+        request = typed(*words)
     else:
         file = SceneFile(scene)
         file.check_outputs(*outputs)
@@ -130,9 +130,8 @@ def _values(options: dict[str, str]) -> dict[str, Any]:
     for name, text in options.items():
         key = name.replace("-", "_")
         if key in {"pressures", "weights", "start", "progress", "trace"}:
-            raise stated(
-                f"--{name}", "is no option of the command line", "put it into the scene file or use Python"
-            )
+            cure = "put it into the scene file or use Python"
+            raise stated(f"--{name}", "is no option of the command line", cure)
         if key not in methods and (meant := nearest(key, own)):
             words = "is no option of midair solve or of a method"
             raise stated(f"--{name}", words, f"did you mean --{meant}?")
@@ -143,3 +142,79 @@ def _values(options: dict[str, str]) -> dict[str, Any]:
         # No option accepts null: it is passed as text, so that the solver rejects it.
         values[key] = text if value is None else value
     return values
+
+
+TABLES = (".csv", ".json")
+
+
+def compare_command(
+    scene: Path,
+    *,
+    solvers: str = "all",
+    output_file: OutputFile = None,
+    image: Path | None = None,
+    quantity: Quantity = "pressure",
+    balance: bool | None = None,
+    json: Json = False,
+) -> int:
+    """Solve a scene file by several methods: a table, and a picture with a panel for each on one scale.
+
+    Parameters
+    ----------
+    scene
+        Scene file, TOML or JSON, or - for standard input. Its solver options apply to its solver.
+    solvers
+        Names separated by commas, or "all".
+    output_file
+        Where to write the table: .csv or .json, or - for CSV on standard output.
+    image
+        Where to write the fields of all methods, as one picture: .png, .svg, .pdf or .jpg.
+    quantity
+        Quantity in the picture: |p| in Pa, the radiation pressure, the level in dB or the phase.
+    balance
+        Balance every method, or (--no-balance) none; by default each method's own setting.
+    """
+    if json and output_file == STANDARD:
+        raise stated("", "--json and -o - both want standard output", "leave one of them out")
+    file = SceneFile(scene)
+    file.check_outputs((output_file, TABLES), (image, output.IMAGES))
+    request = file.scene()
+    names = None if solvers == "all" else [name.strip() for name in solvers.split(",")]
+    count = len(choices(request, names))
+    table = None
+    try:
+        with progress_bar("comparing") as tell:
+            for table in growing(request, names, balance=balance):
+                tell(len(table), count)
+            if image is not None and table is not None:
+                write_image(image, table.plot(quantity=quantity))
+    finally:
+        # After an interruption, the methods that have finished are still printed.
+        if table is not None:
+            _tell(table, output_file, json)
+    return 0
+
+
+def _tell(table: Comparison, output_file: Path | None, json: bool) -> None:
+    document = output_file == STANDARD
+    if output_file is not None and not document:
+        is_json = output_file.suffix.lower() == ".json"
+        output.write(output_file, _json(table).encode() if is_json else output.to_csv(_rows(table)))
+    if json:
+        print(_json(table))
+        return
+    with beside(document):
+        print_solutions("compare", table.solutions, table.names, table.gaps)
+    if document:
+        print(output.to_csv(_rows(table)).decode(), end="")
+    elif output_file is not None:
+        print_written(output_file)
+
+
+def _rows(table: Comparison) -> list[dict[str, Any]]:
+    columns = table.to_dict()
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+def _json(table: Comparison) -> str:
+    return output.to_json({"bound": table.bound, "solvers": _rows(table)})

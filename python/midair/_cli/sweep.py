@@ -1,11 +1,10 @@
 """`midair sweep`, `midair reproduce` and `midair dataset`: many problems, as tables and files."""
 
-from __future__ import annotations
-
 from collections import Counter
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import numpy as np
 from cyclopts import Parameter
 from rich import box
 from rich.table import Table
@@ -15,12 +14,9 @@ from .._support.output import METRICS
 from .._support.text import array, counted
 from .._sweep import dataset, sweep, work
 from .._sweep.request import read
-from .keywords import of
+from .given import of
 from .progress import progress_bar
 from .tables import console, print_columns, print_line, print_written
-
-if TYPE_CHECKING:
-    import numpy as np
 
 
 @of(sweep, "scheduler")

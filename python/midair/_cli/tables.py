@@ -1,14 +1,11 @@
 """Tables and lines of text on standard output."""
 
-from __future__ import annotations
-
 import io
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from textwrap import shorten
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +18,8 @@ from rich.text import Text
 
 from .. import Field, Solution
 from .._judging.compare import cells, sentence, weakest
-from .._pictures.colours import table
+from .._pictures.colours import Figure, table
 from .._support import output
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 #: Largest number of characters per row of a picture in the terminal; the characters for pressures from 0 to
 #: the highest.
@@ -189,15 +182,12 @@ def _spread(size: int, count: int) -> NDArray[np.intp]:
 
 def _legend(panel: Field, top: float) -> str:
     """Return the extent of a picture and its largest sample, as text."""
-    ends = [f"{name} {1e3 * side[0]:.0f} to {1e3 * side[-1]:.0f}" for name, side in _sides(panel)]
+    known = [(name, getattr(panel, name)) for name in "xyz"]
+    sides = [(name, side) for name, side in known if side is not None and side.size > 1]
+    ends = [f"{name} {1e3 * side[0]:.0f} to {1e3 * side[-1]:.0f}" for name, side in sides]
     plane = panel.plane
     place = "" if plane is None else f", {plane.axis} = {1e3 * plane.at:.0f}"
     return f"{', '.join(ends)}{place} mm; brightest {top:.4g} Pa"
-
-
-def _sides(panel: Field) -> list[tuple[str, NDArray[np.float64]]]:
-    """Return the axes of a picture and their coordinates, the horizontal one first."""
-    return [(name, side) for name in "xyz" if (side := getattr(panel, name)) is not None and side.size > 1]
 
 
 class _Best(str):

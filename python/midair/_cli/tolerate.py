@@ -7,9 +7,8 @@ from .. import exposure, solve
 from .._judging.tolerate import Trials, tolerate
 from .._midair import stated
 from .._support import output
-from .keywords import Json, Places, SceneName, SolverName, of
+from .given import Json, Places, SceneFile, SceneName, SolverName, numbers, of
 from .progress import progress_bar
-from .scene import SceneFile, numbers
 from .tables import print_columns, print_line, print_written, write_image
 
 
@@ -50,7 +49,7 @@ def exposure_command(
     with progress_bar("computing levels"):
         found = exposure(request, solution, places, limit=_limit(limit))
     if json:
-        print(output.to_json({"limit": vars(found.limit), "places": found.to_dict()}))
+        print(output.to_json({"limit": found.limit._asdict(), "places": found.to_dict()}))
     else:
         print_columns("exposure", found.cells())
         print_line(found.heading)
@@ -94,9 +93,8 @@ def tolerate_command(
         # After an interruption, the finished trials are still printed.
         if (table := found.table()) is not None:
             if json:
-                print(
-                    output.to_json({"trials": table.trials, "status": table.status, "rows": table.to_dict()})
-                )
+                report = {"trials": table.trials, "status": table.status, "rows": table.to_dict()}
+                print(output.to_json(report))
             else:
                 print_columns("tolerate", table.cells())
                 print_line(table.heading)

@@ -47,15 +47,13 @@ FULL = 1 - 1e-3
 def own_order(array: Array | None, transducers: int) -> NDArray[np.intp]:
     """Return the indices (N,) of midair's transducers in AcousTools' order."""
     if array is not None and len(array) != transducers:
-        raise stated(
-            "drives", f"of {transducers} transducers, an array of {len(array)}", "give another board"
-        )
+        cure = "give another board"
+        raise stated("drives", f"of {transducers} transducers, an array of {len(array)}", cure)
     if transducers not in (BOARD, PAIR):
         warn(f"AcousTools has boards of {BOARD} transducers: {transducers} keep the order of the drives")
         return np.arange(transducers)
-    array = (
-        Array.preset("openmpd_board" if transducers == BOARD else "openmpd_pair") if array is None else array
-    )
+    if array is None:
+        array = Array.preset("openmpd_board" if transducers == BOARD else "openmpd_pair")
     places, down = array.positions, array.normals[:, 2] < 0
     side = (np.arange(SIDE) - (SIDE - 1) / 2) * 10.5e-3
     found: list[int] = []
@@ -138,9 +136,8 @@ def read_holo(path: str | PathLike[str], array: Array | None = None) -> NDArray[
     wrong = np.flatnonzero(packed[:, :-1].any(axis=1) | ((codes > STEPS) & (codes != END)))
     if len(wrong):
         value = int.from_bytes(packed[wrong[0]].tobytes(), "big")
-        raise fault(
-            path, None, f"number {wrong[0]} is {value}", f"give 0 to {STEPS}, and {END} at the end of a list"
-        )
+        cure = f"give 0 to {STEPS}, and {END} at the end of a list"
+        raise fault(path, None, f"number {wrong[0]} is {value}", cure)
     ends = np.flatnonzero(codes == END)
     transducers = int(ends[0]) if len(ends) else 0
     if not transducers:
@@ -149,9 +146,8 @@ def read_holo(path: str | PathLike[str], array: Array | None = None) -> NDArray[
     expected = (np.arange(2 * frames) + 1) * (transducers + 1) - 1
     if len(codes) != 2 * frames * (transducers + 1) or not np.array_equal(ends, expected):
         reported = f"{len(ends)} lists are in it, and not all of {transducers} numbers"
-        raise fault(
-            path, None, reported, "give phases and amplitudes of every frame, each list of one length"
-        )
+        cure = "give phases and amplitudes of every frame, each list of one length"
+        raise fault(path, None, reported, cure)
     lists = codes.reshape(frames, 2, transducers + 1)[:, :, :-1]
     code = np.arange(STEPS + 1)
     phase = np.exp(1j * STEP * (code - STEPS // 2)).astype(np.complex64)

@@ -1,7 +1,5 @@
 """`.bin` files of a board's frames; and `Played`, the drives that all writers take, frame by frame."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from os import PathLike
@@ -19,7 +17,7 @@ from .._support.text import content, fault, numbers as numbers_of
 CURE = 'give board=, such as "sonicsurface"'
 
 
-def write(path: Path, drives: Played, board: Board | None) -> None:
+def write(path: Path, drives: "Played", board: Board | None) -> None:
     """Write each drive as a frame of the board."""
     if board is None:
         raise stated("board", "is left out, and .bin holds the frames of one", CURE, code="missing")

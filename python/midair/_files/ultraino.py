@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._boards.layout import Layout
+from .._boards.board import Layout
 from .._midair import stated
 from .._sequence.files import whole
 from .._support.arguments import warn
@@ -171,9 +171,8 @@ def write_pair(path: Path, drives: Played) -> None:
     beside = path.with_name(path.name.replace(NAMED, f"0_{AMPLITUDE}"))
     with ExitStack() as opened:
         parts = [opened.enter_context(whole(one, (".csv",))) for one in (beside, path)]
-        amplitudes, phases = [
-            opened.enter_context(part.open("w", encoding="ascii", newline="\n")) for part in parts
-        ]
+        streams = (part.open("w", encoding="ascii", newline="\n") for part in parts)
+        amplitudes, phases = map(opened.enter_context, streams)
         for drive in drives:
             for stream, values in ((amplitudes, np.abs(drive).clip(0, 1)), (phases, np.angle(drive))):
                 stream.write(",".join(f"{value:.9g}" for value in values.tolist()) + "\n")

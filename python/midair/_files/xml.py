@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from os import PathLike
-from typing import Any
+from typing import Any, NamedTuple
 from xml.parsers import expat
 
 from .._midair import SceneError
@@ -89,13 +89,10 @@ class Bean:
         self.items: list[Any] = []
 
 
-class _Field:
+class _Field(NamedTuple):
     """A public field of a Java class, with its `get` and `set`."""
 
-    __slots__ = ("name",)
-
-    def __init__(self, name: str) -> None:
-        self.name = name
+    name: str
 
 
 class Decoder:

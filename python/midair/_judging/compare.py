@@ -4,24 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeGuard
+from typing import Any, TypeAlias, TypeGuard
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from .. import _midair
 from .._midair import Array, Plane, Propagation, Scene, SceneError, Solution, Solver, numbers, stated
-from .._pictures.colours import REFERENCE
+from .._pictures.colours import Axes, Figure, Map, Quantity, Size
+from .._points.ear import REFERENCE
 from .._support import text
 from .._support.arguments import refused
 from .._support.output import METRICS
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-    from numpy.typing import ArrayLike, NDArray
-
-    from .._pictures.colours import Map, Quantity
-    from .._pictures.figures import Size
 
 #: Largest number of points for which `midair.bound` is computed.
 BOUND_POINTS = 64
@@ -84,13 +78,11 @@ class Comparison:
     @property
     def gaps(self) -> list[float] | None:
         """Distance of each solution's weakest point from the bound, relative to it. None without a bound."""
-        return (
-            None if self.bound is None else [self._gap(solution, self.bound) for solution in self.solutions]
-        )
-
-    def _gap(self, solution: Solution, bound: float) -> float:
-        weakest = np.min(np.abs(solution.pressures[self._received]) / solution.targets[self._received])
-        return float(1 - weakest / bound)
+        bound, received = self.bound, self._received
+        if bound is None:
+            return None
+        parts = [np.abs(one.pressures[received]) / one.targets[received] for one in self.solutions]
+        return [float(1 - np.min(part) / bound) for part in parts]
 
     def to_dict(self) -> dict[str, list[Any]]:
         """Return the table as columns, as `pandas.DataFrame` takes them; elapsed is in s."""
@@ -216,8 +208,9 @@ def sentence(solution: Solution) -> str:
     if not got.size:
         return f"{text.counted(len(quiet), 'quiet point')}, at most {quiet.max():.3g} Pa"
     low, high = float(got.min()), float(got.max())
-    unit = _paper if solution.scene is not None and solution.scene.in_paper_unit else _level
-    level = unit(high) if high <= EVEN * low else f"{low:.4g} to {unit(high)}"
+    paper = solution.scene is not None and solution.scene.in_paper_unit
+    most = f"{high:.4g} in the paper's unit" if paper else _level(high)
+    level = most if high <= EVEN * low else f"{low:.4g} to {most}"
     driven = text.counted(len(np.flatnonzero(solution.drive)), "transducer")
     requested = solution.scene is not None and solution.scene.pressures is not None
     parts = got / solution.targets[loud]
@@ -230,10 +223,6 @@ def sentence(solution: Solution) -> str:
     if quiet.size:
         words.append(f"{text.counted(len(quiet), 'quiet point')} at most {quiet.max():.3g} Pa")
     return ", ".join(words)
-
-
-def _paper(pressure: float) -> str:
-    return f"{pressure:.4g} in the paper's unit"
 
 
 def _percent(part: float) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,13 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from .._midair import Scene, Solution, about, field, numbers, stated
 from .._points.ear import REFERENCE, Ear
 from .._sequence import Sequence
-from .._sequence.propagation import rows
+from .._sequence.drives import rows
 from .._support import text as columns
 from .._support.arguments import number, refused, warn, without_warnings
 
 
-@dataclass(frozen=True)
-class Limit:
+class Limit(NamedTuple):
     """A limit: its name, level in dB re 20 uPa, lowest and highest frequency in Hz, and source."""
 
     name: str
@@ -195,24 +194,17 @@ class Exposure:
 
     def to_dict(self) -> dict[str, list[Any]]:
         """Return the table as columns: place, spl in dB, over (the limit, in dB), x, y, z in m, frame."""
-        x, y, z = zip(*(place.position for place in self.places), strict=True)
-        return {
-            "place": [place.name for place in self.places],
-            "spl": [place.spl for place in self.places],
-            "over": [place.spl - self.limit.spl for place in self.places],
-            "x": list(x),
-            "y": list(y),
-            "z": list(z),
-            "frame": [place.frame for place in self.places],
-        }
+        places = self.places
+        levels = {"spl": [place.spl for place in places], "over": [p.spl - self.limit.spl for p in places]}
+        axes = {name: [place.position[axis] for place in places] for axis, name in enumerate("xyz")}
+        names, frames = [place.name for place in places], [place.frame for place in places]
+        return {"place": names, **levels, **axes, "frame": frames}
 
     def __getitem__(self, name: str) -> Exposed:
-        for place in self.places:
-            if place.name == name:
-                return place
-        raise KeyError(
-            f'no place is named "{name}": there are {", ".join(place.name for place in self.places)}'
-        )
+        named = {place.name: place for place in self.places}
+        if name not in named:
+            raise KeyError(f'no place is named "{name}": there are {", ".join(named)}')
+        return named[name]
 
     def __len__(self) -> int:
         return len(self.places)
@@ -335,9 +327,8 @@ def exposure(
 def _boxes(places: Any) -> dict[str, tuple[Points, Points]]:
     """Return the lowest and highest corner of each place."""
     if not isinstance(places, Mapping) or not places:
-        raise refused(
-            "places", places, 'give a dict of names and positions, such as {"left ear": [0, 0.1, 0.5]}'
-        )
+        cure = 'give a dict of names and positions, such as {"left ear": [0, 0.1, 0.5]}'
+        raise refused("places", places, cure)
     boxes = {}
     for name, place in places.items():
         if not isinstance(name, str):

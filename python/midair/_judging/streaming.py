@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Field, Plane, Scene, Solution, about, field, stated
-from .._pictures.colours import MAPS
+from .._pictures.colours import MAPS, Axes, Map, Size
 from .._pictures.panel import paint, sides, squares
 from .._pictures.words import place
 from .._support.arguments import number
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from .._pictures.colours import Map
-    from .._pictures.figures import Size
 
 #: Arrows per side, and the fraction of the largest force below which no arrow is drawn.
 ARROWS, FAINT = 20, 0.05
@@ -172,9 +166,7 @@ def streaming(
     assert points is not None
     step = PART * scene.wavelength
     flow = np.empty(points.shape)
-    for axis in range(3):
-        aside = np.zeros(3)
-        aside[axis] = step
+    for axis, aside in enumerate(step * np.eye(3)):
         ahead, behind = (
             field(scene, drive, (points + way * aside).reshape(-1, 3)).pressure.reshape(pressure.shape)
             for way in (1, -1)

@@ -4,37 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from inspect import signature
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, get_args
+from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._boards.layout import changed
-from .._midair import (
-    Scene,
-    SceneError,
-    Solution,
-    about,
-    judge,
-    numbers,
-    rotation,
-    solve,
-    solvers,
-    stated,
-    unknown_name,
-)
+from .. import _midair
+from .._boards.board import changed
+from .._midair import Scene, Solution, about, judge, numbers, rotation, solve, solvers, stated, unknown_name
+from .._pictures.colours import Axes, Figure, Size
 from .._support import text as columns
 from .._support.arguments import callback, number, refused, whole
 from .._support.cache import Arrays
 from .._sweep.engine import Job, Settings, Stopped, go_on, pieces, run
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from .._pictures.figures import Size
 
 #: Sound speed in m/s at 0 degrees C, and that temperature in K: docs/conventions.md.
 SPEED, ZERO = 331.3, 273.15
@@ -332,10 +317,6 @@ MOST_TRIALS = 1_000_000
 SIZE = 10
 
 
-class _Halted(Exception):
-    """Raised if `progress` requests a stop."""
-
-
 def tolerate(
     scene: Scene | Solution,
     solver: str | Callable[..., Any] | None = None,
@@ -422,24 +403,10 @@ def tolerate(
     >>> bool(0.9 < table["dead"].level.mean() < 1.0)
     True
     """
+    given = locals()
     callback(progress, "trials done, trials")
-    found = Trials(
-        scene,
-        solver,
-        drive=drive,
-        faults={
-            "phase": phase,
-            "gain": gain,
-            "dead": dead,
-            "reversed": reversed,
-            "temperature": temperature,
-            "tilt": tilt,
-            "position": position,
-        },
-        trials=trials,
-        seed=seed,
-        options=options,
-    )
+    faults = {name: given[name] for name in FAULTS}
+    found = Trials(scene, solver, drive=drive, faults=faults, trials=trials, seed=seed, options=options)
     found.run(threads=threads, scheduler=scheduler, progress=progress)
     table = found.table()
     assert table is not None
@@ -466,13 +433,13 @@ class Trials:
             raise TypeError(
                 f"expected a midair.Scene or a midair.Solution first, not {type(scene).__qualname__}"
             )
-        self._faults = sizes(**faults)
-        if not self._faults:
+        known = sizes(**faults)
+        if not known:
             raise _faultless(faults, options)
         self._trials = whole("trials", trials, least=1)
         if self._trials > MOST_TRIALS:
             raise refused("trials", trials, f"give at most {MOST_TRIALS}")
-        self._seed = whole("seed", seed, least=0)
+        seed = whole("seed", seed, least=0)
         if drive is None:
             solution = solve(scene, solver, **options)
             # A solution's scene includes the options of the solve, such as pressures.
@@ -485,11 +452,17 @@ class Trials:
             targets = np.abs(scene.reach().level if scene.pressures is None else scene.pressures)
         if not judge(scene, drive, pressures=targets).level:
             raise stated("scene", "is silent at its points", "give pressures above 0 that its array reaches")
-        self._scene, self._targets = scene, targets
         self._solution = drive if isinstance(drive, Solution) else None
-        if self._solution is not None:
-            drive = self._solution.drive
-        self._drive = numbers("drive", drive, [(len(scene.array),)], "give a drive (N,)", kinds="iufc")
+        drive = drive.drive if isinstance(drive, Solution) else drive
+        drive = numbers("drive", drive, [(len(scene.array),)], "give a drive (N,)", kinds="iufc")
+        # No files are written, so the settings need not be JSON.
+        self._settings: dict[str, Any] = {
+            "scene": scene,
+            "drive": drive,
+            "targets": targets,
+            "faults": known,
+            "seed": seed,
+        }
         self._done: list[Arrays] = []
 
     def run(
@@ -502,35 +475,24 @@ class Trials:
         """Run the trials, block by block."""
         if threads is not None:
             whole("threads", threads, least=1)
-        # No files are written, so the settings need not be JSON.
-        settings = {
-            "scene": self._scene,
-            "drive": self._drive,
-            "targets": self._targets,
-            "faults": self._faults,
-            "seed": self._seed,
-        }
-        jobs = pieces(trials_of, settings, self._trials, SIZE)
+        jobs = pieces(trials_of, self._settings, self._trials, SIZE)
 
         def receive(job: Job, arrays: Arrays) -> None:
             self._done.append(arrays)
             if progress is not None and progress(job.stop, self._trials) is False:
-                raise _Halted
+                raise Stopped
 
-        try:
+        with suppress(Stopped):
             run(jobs, receive, threads=threads, scheduler=scheduler)
-        except _Halted:
-            return
 
     def table(self) -> Tolerance | None:
         """Return the table of the trials that are done; None if there are none."""
         if not self._done:
             return None
-        rows = {
-            name: Kept(*np.concatenate([arrays[name] for arrays in self._done]).T)
-            for name in groups(self._faults)
-        }
-        found = Tolerance(self._solution, self._faults, rows, "done")
+        faults = self._settings["faults"]
+        parts = {name: [arrays[name] for arrays in self._done] for name in groups(faults)}
+        rows = {name: Kept(*np.concatenate(part).T) for name, part in parts.items()}
+        found = Tolerance(self._solution, faults, rows, "done")
         return found if found.trials == self._trials else replace(found, status="stopped")
 
 
@@ -547,7 +509,7 @@ def trials_of(settings: Settings, start: int, stop: int) -> Arrays:
     def measured(played: Scene) -> tuple[float, float]:
         try:
             metrics = judge(played, drive, pressures=targets)
-        except SceneError as error:
+        except _midair.SceneError as error:
             # If no working transducer reaches a point, level and uniformity of the trial are 0.
             if error.code == "unreached":
                 return 0.0, 0.0

@@ -6,17 +6,17 @@ readings better. These two steps alternate until no pair is left.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._boards.layout import changed
+from .._boards.board import changed
 from .._midair import Scene
 from .._support.arguments import without_warnings
 from .calibrate import calibrate
-from .model import AIR, Complex, Real
+from .fit import AIR, Complex, Real
 from .result import Calibration
 
 Indices = NDArray[np.intp]
@@ -45,8 +45,7 @@ SETTLED = 0.02
 ROUNDS, STEPS = 8, 3
 
 
-@dataclass(frozen=True)
-class Diagnosis:
+class Diagnosis(NamedTuple):
     """Model of the boards after the diagnosis.
 
     Attributes
@@ -79,18 +78,9 @@ class Diagnosis:
     calibration: Calibration
     unexplained: float
 
-    @property
-    def wave_number(self) -> float:
-        """The wave number 2 pi f / c in rad/m."""
-        return 2 * np.pi * self.calibration.scene.frequency / self.calibration.sound_speed
-
 
 def diagnose(
-    scene: Scene,
-    boards: Indices,
-    drives: Complex,
-    readings: Real | Complex,
-    microphones_error: float | None,
+    scene: Scene, boards: Indices, drives: Complex, readings: Real | Complex, microphones_error: float | None
 ) -> Diagnosis:
     """Diagnose the array of a scene whose points are the microphones.
 
@@ -244,9 +234,8 @@ def _delays(sums: Complex, readings: Real | Complex) -> Complex:
         v = np.linalg.lstsq(sums, readings, rcond=None)[0]
     else:
         pairs = list(combinations(range(count), 2))
-        cross = (
-            np.stack([sums[:, b] * np.conj(sums[:, c]) for b, c in pairs], axis=1) if pairs else sums[:, :0]
-        )
+        products = [sums[:, b] * np.conj(sums[:, c]) for b, c in pairs]
+        cross = np.stack(products, axis=1) if pairs else sums[:, :0]
         columns = np.hstack([np.abs(sums) ** 2, 2 * cross.real, -2 * cross.imag])
         found = np.linalg.lstsq(columns, readings**2, rcond=None)[0]
         matrix = np.diag(found[:count]).astype(complex)

@@ -1,7 +1,11 @@
-"""`midair.doctor`: decides by limits which transducers are dead, weak or reversed, and reports it."""
+"""`midair.doctor`: decides by limits which transducers are dead, weak or reversed; its report."""
 
+import platform
 import time
 from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -10,11 +14,129 @@ from numpy.typing import ArrayLike, NDArray
 from .._boards.board import Board
 from .._boards.connection import Connection
 from .._midair import Array, Scene, numbers
-from .._support.arguments import callback, flag, number, refused
-from .arguments import readings_of
-from .calibrate import calibration_drives, places_of
+from .._support import output
+from .._support.arguments import callback, flag, number, path_of, refused
+from .._support.text import counted
+from .calibrate import calibration_drives, places_of, readings_of
 from .diagnosis import Diagnosis, Indices, diagnose
-from .player import Fault, Report
+
+#: Formats of a report.
+REPORTS = (".txt", ".json")
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Fault of a board; from `midair.doctor`.
+
+    Attributes
+    ----------
+    kind : str
+        "dead", "weak", "reversed", "phase", "swapped", "order", "board dead", "delay", "level",
+        "sound speed", or "unexplained".
+    where : tuple of int
+        Indices of transducers; for a board's delay or level that board's number, from 0 on.
+    size : float
+        Gain or level relative to the usual one, phase or delay in degrees, sound speed in m/s.
+    text : str
+        The fault in one sentence.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.Fault("dead", (17,), 0.0, "transducer 17 is silent").where
+    (17,)
+    """
+
+    kind: str
+    where: tuple[int, ...]
+    size: float
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class Report:
+    """Faults that `midair.doctor` found, and the measured numbers on which they are based.
+
+    Attributes
+    ----------
+    board : str
+        Kind of the board.
+    faults : tuple of midair.Fault
+        The faults; empty if nothing is wrong.
+    notes : tuple of str
+        Other remarks, a sentence each.
+    response, response_error : (N,) ndarray
+        Complex responses relative to those of the given array; errors of re and im.
+    order : (N,) ndarray of int
+        Place of the transducer that each channel drives.
+    sound_speed, sound_speed_error : float
+        Sound speed in m/s, and its error.
+    noise : float
+        Noise of a reading in Pa.
+    readings : int
+        Number of readings.
+    seconds : float
+        Time in s for which the board played.
+
+    Examples
+    --------
+    >>> import midair
+    >>> array, places = midair.Array.grid(4, 4, 10e-3), [[0.02, 0.03, 0.12], [-0.03, 0.01, 0.1]]
+    >>> pressures = midair.Scene(array, places).propagation()
+    >>> midair.doctor(array, lambda drive: abs(pressures @ drive), microphones=places).faults
+    ()
+    """
+
+    board: str
+    faults: tuple[Fault, ...]
+    notes: tuple[str, ...]
+    response: NDArray[np.complex128]
+    response_error: NDArray[np.float64]
+    order: NDArray[np.intp]
+    sound_speed: float
+    sound_speed_error: float
+    noise: float
+    readings: int
+    seconds: float
+
+    @property
+    def table(self) -> str:
+        """The report as text: one line per fault, then the numbers and the notes."""
+        width = max([len(fault.kind) for fault in self.faults], default=0)
+        many = counted(len(self.faults), "fault") if self.faults else "no fault"
+        lines = [f"{self.board}, {len(self.response)} transducers: {many} found"]
+        lines += [f"  {fault.kind:{width}}  {fault.text}" for fault in self.faults]
+        lines.append(
+            f"{self.readings} readings, {self.seconds:.0f} s of the board; sound speed "
+            f"{self.sound_speed:.1f} +- {self.sound_speed_error:.1g} m/s; noise {self.noise:.3g} Pa"
+        )
+        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+    def write(self, path: str | PathLike[str]) -> None:
+        """Write the table as .txt, or everything as .json, to be mailed.
+
+        Parameters
+        ----------
+        path : str or path
+            File to write.
+
+        Raises
+        ------
+        SceneError
+            If the file's ending is unknown, or the path cannot be written.
+        """
+        target = path_of("path", path)
+        output.check(target, REPORTS)
+        if target.suffix.lower() == ".txt":
+            text = f"{self.table}\nmidair {version('midair')}, {platform.platform()}\n"
+        else:
+            record = {**asdict(self), "midair": version("midair"), "system": platform.platform()}
+            text = output.to_json(record) + "\n"
+        output.write(target, text.encode())
+
+    def __repr__(self) -> str:
+        return f"<midair.Report of {self.board}: {len(self.faults)} faults>"
+
 
 #: Readings per transducer, as real numbers: the usual number, and the least for a diagnosis.
 PLENTY, LEAST = 4.0, 2.2
@@ -146,9 +268,8 @@ def doctor(
         parts = 2 if np.iscomplexobj(received[0]) else 1
         if k == 0 and len(drives) * len(places) * parts < LEAST * sounding:
             wanted = int(np.ceil(LEAST * sounding / len(places) / parts)) * (line + rest + LISTEN)
-            raise refused(
-                "seconds", seconds, f"{sounding} transducers need {wanted:.0f} s, or more microphones"
-            )
+            cure = f"{sounding} transducers need {wanted:.0f} s, or more microphones"
+            raise refused("seconds", seconds, cure)
         if parts == 2 and (k + 1) * len(places) * 2 >= PLENTY * sounding:
             break
     if isinstance(owner, Connection):
@@ -238,14 +359,12 @@ def _transducers(found: Diagnosis, judged: NDArray[np.bool_], gone: NDArray[np.b
         faults.append(Fault("dead", (i,), 0.0, f"transducer {i} is silent"))
     alive = judged & ~gone & (gain >= DEAD_GAIN)
     for i in np.flatnonzero(alive & (gain < np.minimum(WEAK, 1 - SURELY * usual))).tolist():
-        faults.append(
-            Fault("weak", (i,), float(gain[i]), f"transducer {i} has {gain[i]:.2f} of the usual gain")
-        )
+        text = f"transducer {i} has {gain[i]:.2f} of the usual gain"
+        faults.append(Fault("weak", (i,), float(gain[i]), text))
     turned = alive & (np.abs(degrees) > REVERSED)
     for i in np.flatnonzero(turned).tolist():
-        faults.append(
-            Fault("reversed", (i,), float(degrees[i]), f"transducer {i} is connected the wrong way round")
-        )
+        text = f"transducer {i} is connected the wrong way round"
+        faults.append(Fault("reversed", (i,), float(degrees[i]), text))
     unsure = np.degrees(SURELY * usual / np.maximum(gain, 1e-3))
     for i in np.flatnonzero(alive & ~turned & (np.abs(degrees) > np.maximum(ODD, unsure))).tolist():
         late = f"{abs(degrees[i]):.0f} degrees {'late' if degrees[i] > 0 else 'early'}"
@@ -267,7 +386,8 @@ def _whole(found: Diagnosis, boards: Indices, lost: list[int], in_pascals: bool)
     # If a microphone is nearer to one of two opposed boards, the other seems late: an error of place counts
     # twice.
     off = np.sqrt(np.mean(found.calibration.microphones_error**2) / len(found.calibration.microphones))
-    unsure = float(SURE * np.degrees(2 * found.wave_number * off))
+    wave_number = 2 * np.pi * found.calibration.scene.frequency / found.calibration.sound_speed
+    unsure = float(SURE * np.degrees(2 * wave_number * off))
     middle = found.middle[left] if left else np.ones(0, complex)
     for b, v in zip(left[1:], middle[1:], strict=True):
         degrees = float(np.degrees(np.angle(v / middle[0])))

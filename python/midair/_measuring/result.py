@@ -6,24 +6,16 @@ import io
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Array, Scene
-from .._pictures.colours import MAPS
+from .._pictures.colours import MAPS, Axes, Figure, Map, Size
 from .._support import output
 from .._support.arguments import path_of
 from .._support.text import arrays, counted, reading
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from .._pictures.colours import Map
-    from .._pictures.figures import Size
-
 
 #: The panels of a calibration's picture.
 Panel = Literal["gain", "phase", "residuals"]

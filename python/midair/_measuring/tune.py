@@ -2,15 +2,149 @@
 
 import warnings
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .._boards.errors import named
 from .._midair import Array, Scene, SceneWarning, Solution, numbers, solve, solver_name, solvers, stated
-from .._support.arguments import callback, flag, refused, warn, whole, word
-from .player import Complex, Drive, Ended, Indices, Player, Read, Real, Status, Tuning, Unreadable
+from .._support.arguments import callback, flag, refused, sized, warn, whole, word
+
+#: Ends of a tuning: complete, out of readings, stopped by Ctrl-C or progress, or ended by an error of the
+#: reader.
+Status = Literal["done", "out_of_readings", "stopped", "failed"]
+
+
+@dataclass(frozen=True, eq=False)
+class Tuning:
+    """Best drive that `midair.tune` found, and its readings.
+
+    Attributes
+    ----------
+    drive : (N,) ndarray of complex64
+        The drive, |q| <= 1.
+    pressures : (M,) ndarray
+        |p| of this drive, as read or as three readings determine it.
+    value : float
+        Distance from the targets: the residual of eq. (7) relative to silence; feedback: 1 - uniformity.
+    readings : int
+        Number of readings.
+    status : str
+        "done", "stopped", "out_of_readings" or "failed".
+    error : Exception or None
+        The error that the reader raised.
+    trace : ndarray
+        The value after each step; in greedy, after each transducer.
+
+    Examples
+    --------
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
+    >>> found = midair.tune(lambda drive: abs(scene.propagation() @ drive), scene, "feedback", steps=3)
+    >>> found.status, found.readings
+    ('done', 3)
+    """
+
+    drive: NDArray[np.complex64]
+    pressures: NDArray[np.float64]
+    value: float
+    readings: int
+    status: Status
+    error: Exception | None
+    trace: NDArray[np.float64]
+
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Indices = NDArray[np.intp]
+Drive = NDArray[np.complex64]
+Read = Callable[[Drive], Any]
+
+#: If a microphone reads the same value after this many changes of the drive, it does not measure the sound.
+CHANGES = 2
+
+
+class Ended(Exception):
+    """Raised if tuning ends early, with its status."""
+
+
+class Unreadable(Exception):
+    """Raised if the reader has raised an error, with this error."""
+
+
+class Player:
+    """Reads |p| (M,) of drives (N,), at most `budget` times, and keeps the drive nearest to the targets.
+
+    `value` returns the error of pressures (M,); `progress` is called with (readings, budget).
+    """
+
+    def __init__(
+        self,
+        read: Read,
+        count: int,
+        power: bool,
+        value: Callable[[Real], float],
+        budget: int,
+        progress: Callable[[int, int], object],
+    ) -> None:
+        self._read, self._count, self._power = read, count, power
+        self.value, self.budget, self._progress = value, budget, progress
+        self.readings = 0
+        self.best: tuple[float, Drive, Real] | None = None
+        self.trace: list[float] = []
+        self._last: Drive | None = None
+        self._changes = 0
+        self._quietest, self._loudest = np.full(count, np.inf), np.zeros(count)
+
+    def __call__(self, drive: NDArray[Any]) -> Real:
+        """Play a drive, and return |p| (M,) that the reader measures at the places."""
+        if self.readings >= self.budget:
+            raise Ended("out_of_readings")
+        if self._progress(self.readings, self.budget) is False:
+            raise Ended("stopped")
+        played = drive.astype(np.complex64)
+        played.flags.writeable = False
+        try:
+            given = self._read(played)
+            found = self._checked(given)
+        except Exception as error:
+            raise Unreadable(error) from error
+        self.readings += 1
+        self._changes += self._last is not None and not np.array_equal(played, self._last)
+        self._last = played
+        self._quietest, self._loudest = np.minimum(found, self._quietest), np.maximum(found, self._loudest)
+        self.offer(played, found)
+        return found
+
+    def offer(self, drive: NDArray[Any], pressures: Real) -> None:
+        """Keep a drive if its pressures are nearer to the targets than the best so far."""
+        value = self.value(pressures)
+        if self.best is None or value < self.best[0]:
+            kept = drive.astype(np.complex64)
+            kept.flags.writeable = False
+            self.best = (value, kept, pressures)
+
+    def deaf(self) -> str | None:
+        """Return a message about places that read 0 or the same in all readings; None if there are none."""
+        same = (self._loudest == self._quietest) & ((self._loudest == 0) | (self._changes >= CHANGES))
+        if not same.any():
+            return None
+        first, *others = np.flatnonzero(same)
+        where = f"{first} and {len(others)} more" if others else f"{first}"
+        return (
+            f"read gave |p| = {self._loudest[first]:.4g} at place {where} in all {self.readings} readings: "
+            "a dead microphone, mend it or leave its point out"
+        )
+
+    def _checked(self, given: Any) -> Real:
+        cure = f"give {'|p|^2' if self._power else '|p|'} at {self._count} places, real numbers"
+        shapes = [(self._count,), ()][: 2 if self._count == 1 else 1]
+        found = np.atleast_1d(sized("read(drive)", numbers("read(drive)", given, shapes, cure, least=0)))
+        return np.sqrt(found) if self._power else found
+
 
 #: SPSA (Spall 1998, IEEE TAES 34, 817): initial step (rad per unit of value) and perturbation (rad), the
 #: exponents by which they fall, and the delay of the step's fall as a fraction of all iterations.
@@ -218,9 +352,9 @@ def tune(
     if player.best is None:
         if error is None:
             raise KeyboardInterrupt
-        raise stated("read", "failed at its first reading", f"{_line(error)}") from error
+        raise stated("read", "failed at its first reading", f"{named(error)}") from error
     if error is not None:
-        warn(f"read failed at reading {player.readings + 1}: {_line(error)}; the best drive so far is kept")
+        warn(f"read failed at reading {player.readings + 1}: {named(error)}; the best drive so far is kept")
     if deaf := player.deaf():
         warn(deaf)
     best, played, pressures = player.best
@@ -231,16 +365,12 @@ def _through(work: Callable[[], None], player: Player) -> tuple[Status, Exceptio
     try:
         work()
     except Ended as end:
-        return end.status, None
+        return end.args[0], None
     except Unreadable as end:
-        return "failed", end.error
+        return "failed", end.args[0]
     except KeyboardInterrupt:
         return "stopped", None
     return ("done" if player.readings else "stopped"), None
-
-
-def _line(error: Exception) -> str:
-    return " ".join(f"{type(error).__name__}: {error}".split())
 
 
 def _residual(targets: Real, pressures: Real) -> float:
@@ -279,15 +409,13 @@ def _start(
         if given not in ("silence", "model"):
             raise refused("start", given, 'give "silence", "model" or a drive (N,)')
         if given == "silence" and method == "spsa":
-            raise stated(
-                "start", 'is "silence"', 'spsa turns phases of what sounds, give "model" or a drive (N,)'
-            )
+            cure = 'spsa turns phases of what sounds, give "model" or a drive (N,)'
+            raise stated("start", 'is "silence"', cure)
         if given == "silence":
             return np.zeros(len(sounding), np.complex128)
         if scene is None:
-            raise stated(
-                "start", 'is "model"', "an array alone has none, give a scene whose points are the places"
-            )
+            cure = "an array alone has none, give a scene whose points are the places"
+            raise stated("start", 'is "model"', cure)
         given = solve(scene, solver)
     given, cure = given.drive if isinstance(given, Solution) else given, 'give "silence", "model" or a drive'
     cure = f"{cure} ({len(sounding)},)"

@@ -14,18 +14,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Field
+from .._points.ear import REFERENCE
 from .._support.arguments import refused
 
 if TYPE_CHECKING:
+    import matplotlib.axes
+    import matplotlib.figure
+    import matplotlib.image
     from matplotlib.colors import Colormap
+
+#: Types of matplotlib, which is imported only when something is drawn.
+Axes: TypeAlias = "matplotlib.axes.Axes"
+AxesImage: TypeAlias = "matplotlib.image.AxesImage"
+Figure: TypeAlias = "matplotlib.figure.Figure"
+SubFigure: TypeAlias = "matplotlib.figure.SubFigure"
 
 #: A colour map of matplotlib, or its name.
 Map: TypeAlias = "str | Colormap"
 
-Quantity = Literal["pressure", "radiation", "spl", "phase"]
+#: Size of a figure in inches: width, or width and height.
+Size: TypeAlias = float | tuple[float, float]
 
-#: Reference pressure of 0 dB in air, rms, in Pa.
-REFERENCE = 20e-6
+Quantity = Literal["pressure", "radiation", "spl", "phase"]
 
 #: Range of a level's scale in dB: its lower end is a thousandth of the pressure at the top.
 DEPTH = 60.0
@@ -110,9 +120,8 @@ def colours(
         loudest = max(map(loud, fields)) if loudest is None else loudest
         # In a plane through a trap |p| may be almost 0. The top of the scale has a lower limit; otherwise the
         # picture would show only rounding errors.
-        top = _of_pressure(
-            fields[0], max([loudest, *(DARK * at_points(field) for field in fields)]), quantity
-        )
+        least = max(DARK * at_points(field) for field in fields)
+        top = _of_pressure(fields[0], max(loudest, least), quantity)
     elif isinstance(vmax, (int, float, np.number)) and np.isfinite(vmax) and (vmax > 0 or quantity == "spl"):
         top = float(vmax)
     else:

@@ -17,10 +17,7 @@ from matplotlib.colors import Colormap, ListedColormap
 from matplotlib.figure import Figure
 
 from .._support.arguments import refused
-from .colours import MAPS, Map, table
-
-#: Size of a figure in inches: width, or width and height.
-Size = float | tuple[float, float]
+from .colours import MAPS, Map, Size, table
 
 Name = TypeVar("Name", bound=str)
 

@@ -254,7 +254,7 @@ def array(array: Array) -> str:
         ("phases", "any" if board is None or board["phases"] is None else board["phases"]),
         (
             "amplitudes",
-            "any" if board is None or board["amplitudes"] is None else _count(board["amplitudes"]),
+            "any" if board is None or board["amplitudes"] is None else np.size(board["amplitudes"]),
         ),
         ("off", int((~array.mask).sum())),
     )
@@ -280,9 +280,8 @@ def scene(scene: Scene) -> str:
         *([] if scene.solver is None else [("solver", scene.solver[0])]),
         *([("obstacles", str(scene.obstacles))] if scene.obstacles else []),
     )
-    listed = _table(
-        rows, ("point", "x / mm", "y / mm", "z / mm", "pressure / Pa", "weight"), len(scene.points)
-    )
+    head = ("point", "x / mm", "y / mm", "z / mm", "pressure / Pa", "weight")
+    listed = _table(rows, head, len(scene.points))
     quiet = False if pressures is None else pressures == 0
     return facts + listed + above(scene.array, scene.points, quiet=quiet)
 
@@ -356,10 +355,6 @@ def batch(batch: Batch) -> str:
         ("time", f"{1e3 * batch.elapsed:.4g} ms"),
     )
     return facts + _table(rows, ("metric", "mean", "least", "most"))
-
-
-def _count(table: object) -> int:
-    return np.size(np.asarray(table))
 
 
 def _table(rows: Sequence[Iterable[object]], names: Sequence[str], count: int = 0) -> str:

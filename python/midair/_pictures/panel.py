@@ -3,21 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._midair import Field, Mesh, Plane, Sphere, Wall
 from . import words
-from .colours import Colours
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure, SubFigure
-    from matplotlib.image import AxesImage
-    from numpy.typing import NDArray
-
-    from .colours import Map
+from .colours import Axes, AxesImage, Colours, Figure, Map, SubFigure
 
 #: A wall and a plane are parallel if the sine of their angle is below this.
 PARALLEL = 1e-9
@@ -97,9 +90,8 @@ OUTLINES: dict[type, Callable[..., None]] = {Wall: _wall, Sphere: _sphere, Mesh:
 
 def is_shared(fields: Sequence[Field]) -> bool:
     """Return whether all fields have one plane, so that axis labels appear once per row and column."""
-    return (
-        len({(field.plane.axis, field.plane.size, field.plane.center) for field in fields if field.plane}) < 2
-    )
+    planes = [field.plane for field in fields if field.plane]
+    return len({(plane.axis, plane.size, plane.center) for plane in planes}) < 2
 
 
 def shape(fields: Sequence[Field]) -> tuple[int, int]:
@@ -179,9 +171,8 @@ def squares(plane: Plane) -> NDArray[np.float64]:
     across, up = (axis for axis in axes if axis is not None)
     first, second = (values.ravel() for values in np.meshgrid(across, up))
     columns = iter((first, second))
-    return np.stack(
-        [np.full(len(first), plane.at) if axis is None else next(columns) for axis in axes], axis=1
-    )
+    parts = [np.full(len(first), plane.at) if axis is None else next(columns) for axis in axes]
+    return np.stack(parts, axis=1)
 
 
 def paint(

@@ -10,7 +10,6 @@ import sys
 from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +39,8 @@ def sound(boundary: Boundary) -> NDArray[np.complex64]:
     stored = load(boundary.content(), boundary.shape)
     if stored is not None:
         return stored
-    linalg = lapack()
+    with needs("a Mesh needs SciPy", "mesh"):
+        from scipy import linalg
     elements, transducers = boundary.shape
     # LAPACK needs the right-hand sides in column order, which takes a second copy.
     memory = 8e-6 * elements * (elements + 2 * transducers)
@@ -74,13 +74,6 @@ def sound(boundary: Boundary) -> NDArray[np.complex64]:
         )
     store(boundary.content(), solved)
     return solved
-
-
-def lapack() -> Any:
-    """Return SciPy's linear algebra module."""
-    with needs("a Mesh needs SciPy", "mesh"):
-        from scipy import linalg
-    return linalg
 
 
 def folder() -> Path:

@@ -1,7 +1,5 @@
 """Tables of a scene file that the core cannot read alone: [shape] and [image], and files of obstacles."""
 
-from __future__ import annotations
-
 import io
 import os
 import re
@@ -28,6 +26,7 @@ ENDINGS = (".stl", ".obj", ".ply", ".off", ".glb")
 #: Bytes of memory per byte of a file, measured for all formats.
 EACH = 16
 
+Faces: TypeAlias = NDArray[np.int64]
 
 #: Axis of a file that points up: the order of its coordinates in a frame with z up, and their signs.
 UP = {"x": ([1, 2, 0], [1, 1, 1]), "y": ([0, 2, 1], [1, -1, 1]), "z": ([0, 1, 2], [1, 1, 1])}
@@ -58,7 +57,8 @@ def read(
         raise refused("scale", scale, "give the metres of the file's unit, such as 1e-3")
     away, turn = vector("offset", offset), turned(rotation)
     file = path_of("path", path)
-    trimesh = library()
+    with needs("Mesh.from_file needs trimesh", "mesh"):
+        import trimesh
     if not file.is_file():
         reported = "it is a folder, device or pipe, give a file" if file.exists() else "there is no such file"
         raise refused("path", file, reported)
@@ -70,7 +70,7 @@ def read(
         raise refused("path", file, cure)
     try:
         data = io.BytesIO(_trimmed(content(file, empty=True), ending))
-        found = trimesh.load(data, file_type=ending[1:], force="mesh", process=False)
+        found: Any = trimesh.load(data, file_type=ending[1:], force="mesh", process=False)
         if not len(getattr(found, "faces", ())):
             raise refused("path", file, "it has no faces, give a surface")
         if not np.isfinite(found.vertices).all():
@@ -140,13 +140,6 @@ def _formats(wrong: str) -> str:
     return f"{wrong}, export it again, as {', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}"
 
 
-def library() -> Any:
-    """Return the package trimesh."""
-    with needs("Mesh.from_file needs trimesh", "mesh"):
-        import trimesh
-    return trimesh
-
-
 def reason(error: BaseException) -> str:
     """Return the text of an error in one line."""
     if isinstance(error, ImportError) and isinstance(error.__context__, UnicodeError):
@@ -158,7 +151,6 @@ def reason(error: BaseException) -> str:
 
 SHAPES: dict[str, Callable[..., Points]] = {"text": text, "svg": svg}
 
-Faces: TypeAlias = NDArray[np.int64]
 Drawn: TypeAlias = tuple[Points, Any, Any]
 
 

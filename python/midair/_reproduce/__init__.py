@@ -11,7 +11,8 @@ from matplotlib.figure import Figure as Picture
 
 from .._midair import stated, unknown_name
 from .._support.cache import locked
-from . import drawing, fig2, fig3, fig5, fig7, tables
+from .._support.output import refusing
+from . import fig2, fig3, fig5, fig7, scenes, tables
 from .tables import Found, Run, Tell, Verdict, silent
 
 
@@ -80,7 +81,11 @@ def reproduce(
         raise stated("trials", f"is {trials}", "give 1 or more")
     if not 0 <= seed < 2**63:
         raise stated("seed", f"is {seed}", "give 0 to 2^63 - 1")
-    _make(output)
+    # An output that cannot be written is refused before any work.
+    with refusing(f'output "{output}"', "choose another"):
+        output.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=output):
+            pass
     verdicts: list[tuple[str, Verdict]] = []
     chunks = output / ".chunks"
     with locked(chunks):
@@ -92,18 +97,6 @@ def reproduce(
     return verdicts
 
 
-def _make(folder: Path) -> None:
-    """Make a folder; raise SceneError before any work if it cannot be written."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        raise stated(
-            f'output "{folder}"', f"cannot be written ({error.strerror})", "choose another", code="unwritable"
-        ) from error
-
-
 def _figure(name: str, run: Run, output: Path) -> list[Verdict]:
     """Make the numbers, picture and verdicts of a figure.
 
@@ -113,7 +106,7 @@ def _figure(name: str, run: Run, output: Path) -> list[Verdict]:
     rows, fields = figure.collect(run)
     tables.write(path, rows)
     if fields:
-        tables.write(output / f"{name}-fields.csv", drawing.pixels(fields))
+        tables.write(output / f"{name}-fields.csv", scenes.pixels(fields))
     found = Found(tables.read(path), fields)
-    drawing.save(figure.draw(found), output, name)
+    scenes.save(figure.draw(found), output, name)
     return figure.judge(found.rows)

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from . import drawing, scenes, tables
+from . import scenes, tables
 from .scenes import PANELS
 from .tables import Found, Run, Verdict, outcome
 
@@ -20,7 +20,7 @@ def collect(run: Run) -> Found:
     rows: tables.Rows = []
     for done, method in enumerate(PANELS):
         run.tell(done, len(PANELS))
-        solution, fields[method.key] = drawing.solved(points, 1.0, method.solver, method.options, SIZE)
+        solution, fields[method.key] = scenes.solved(points, 1.0, method.solver, method.options, SIZE)
         metrics = {name: getattr(solution.metrics, name) for name in METRICS}
         for index, ((x, y, _), pressure) in enumerate(zip(points, np.abs(solution.pressures), strict=True)):
             row = {
@@ -44,11 +44,10 @@ def draw(found: Found) -> Figure:
         axes.set_axis_off()
     for axes, (key, field) in zip(grid.flat, found.fields.items(), strict=False):
         # The target is 1. Values above 1.5 have the colour of the scale's top.
-        image = drawing.picture(axes, field, SIZE, 1.5)
+        image = scenes.picture(axes, field, SIZE, 1.5)
         first = tables.pick(found.rows, method=key)[0]
-        axes.set_title(
-            f"{first['label']}\naccuracy {first['accuracy']:.2f}, sigma {first['sigma']:.3f}", fontsize=9
-        )
+        title = f"{first['label']}\naccuracy {first['accuracy']:.2f}, sigma {first['sigma']:.3f}"
+        axes.set_title(title, fontsize=9)
         axes.label_outer()
     if image is not None:
         figure.colorbar(image, ax=grid, fraction=0.03, pad=0.02, label="|p|², target 1", extend="max")

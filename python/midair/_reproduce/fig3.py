@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from .._sweep.block import solve_block
 from .._sweep.engine import Job
-from . import drawing, scenes, tables
+from . import scenes, tables
 from .scenes import CURVES, PAPER
 from .tables import Found, Run, Verdict, outcome, percent, span
 
@@ -40,13 +40,12 @@ def draw(found: Found, label: str, scale: str = "linear") -> Figure:
     """Draw curves over the number of points, with their 95 % intervals."""
     figure = Figure(figsize=(7.2, 4.6), layout="constrained")
     axes = figure.subplots()
-    drawing.lines(axes, found.rows, CURVES, "M", "mean")
+    scenes.lines(axes, found.rows, CURVES, "M", "mean")
     axes.set(xlabel="control points M", ylabel=label, yscale=scale)
     if scale == "linear":
         axes.set_ylim(0, None)
-    axes.set_title(
-        f"20 x 20 transducers, {found.rows[0]['trials']} trials; bars: 95 % of the mean", fontsize="medium"
-    )
+    title = f"20 x 20 transducers, {found.rows[0]['trials']} trials; bars: 95 % of the mean"
+    axes.set_title(title, fontsize="medium")
     figure.legend(loc="outside right upper", fontsize="small")
     return figure
 
@@ -104,7 +103,10 @@ def judge_deviation(rows: tables.Rows) -> list[Verdict]:
     least = np.min([mean[key] for key in others if key != "lm"] + [mean["greedy"]], axis=0)
     lowest = mean["lm"] < least
     where = [count for count, low in zip(counts, lowest, strict=True) if not low]
-    squares, absolutes = (_louder(mean[key], mean, others) for key in ("greedy", "greedy-l1"))
+    # Where at most one of the other methods varies more.
+    squares, absolutes = (
+        np.sum([mean[other] > mean[key] for other in others], axis=0) <= 1 for key in ("greedy", "greedy-l1")
+    )
     even, worst = mean["gspat"] < mean["greedy"], int(mean["uniform"].argmax())
     return [
         Verdict(
@@ -131,14 +133,6 @@ def judge_deviation(rows: tables.Rows) -> list[Verdict]:
             f"largest mean {mean['uniform'][worst]:.1e} at M = {counts[worst]}",
         ),
     ]
-
-
-def _louder(
-    sigma: NDArray[np.float64], mean: dict[str, NDArray[np.float64]], others: list[str]
-) -> NDArray[np.bool_]:
-    """Return where at most one of the other methods varies more than `sigma`."""
-    above: NDArray[np.bool_] = np.sum([mean[key] > sigma for key in others], axis=0) <= 1
-    return above
 
 
 def _range(values: NDArray[np.float64]) -> str:

@@ -16,7 +16,7 @@ from .. import _midair
 from .._midair import Array, Scene
 from .._support.cache import Arrays
 from .._sweep.engine import Job
-from . import drawing, scenes, tables
+from . import scenes, tables
 from .scenes import PAPER, TIMED, Options
 from .tables import Found, Run, Verdict, outcome
 
@@ -96,9 +96,8 @@ def collect(run: Run, over: str) -> Found:
     size = np.array([side * side if over == "N" else count for side, count in places], float)
     rows: tables.Rows = []
     for number, method in enumerate(TIMED):
-        quartiles = np.array(
-            [np.quantile(found[place]["seconds"][:, number], [0.25, 0.5, 0.75]) for place in places]
-        )
+        times = [found[place]["seconds"][:, number] for place in places]
+        quartiles = np.array([np.quantile(each, [0.25, 0.5, 0.75]) for each in times])
         slopes = [slope(size[keep], quartiles[keep, 1]) for keep in (size > 0, size >= least)]
         for (side, count), (low, median, high) in zip(places, quartiles.tolist(), strict=True):
             rows.append(
@@ -131,22 +130,13 @@ def draw(found: Found, over: str) -> Figure:
     """Draw time over size on log axes; bars extend from the lower to the upper quartile."""
     figure = Figure(figsize=(7.2, 4.6), layout="constrained")
     axes = figure.subplots()
-    drawing.lines(axes, found.rows, TIMED, over, "median")
+    scenes.lines(axes, found.rows, TIMED, over, "median")
     axes.set_yscale("log")
     axes.set(xlabel=LABELS[over], ylabel="CPU time of a solve / s")
-    axes.set_title(
-        f"median of {found.rows[0]['rounds']} rounds, all threads; bars: quartiles", fontsize="medium"
-    )
+    title = f"median of {found.rows[0]['rounds']} rounds, all threads; bars: quartiles"
+    axes.set_title(title, fontsize="medium")
     figure.legend(loc="outside right upper", fontsize="small")
     return figure
-
-
-def stated_slope(row: tables.Row) -> str:
-    """Return a method's slopes as text."""
-    reported = f"{row['slope']:.2f} ± {row['slope_error']:.2f}"
-    if row["from"] == 0:
-        return reported
-    return f"{reported}; {row['slope_large']:.2f} ± {row['slope_large_error']:.2f} from {row['from']} on"
 
 
 def judge_points(rows: tables.Rows) -> list[Verdict]:
@@ -179,10 +169,13 @@ def judge_points(rows: tables.Rows) -> list[Verdict]:
 def linear(rows: tables.Rows, x: str, method: str) -> Verdict:
     """Return the verdict on whether a method's time is linear in x."""
     row = tables.pick(rows, method=method)[0]
+    slopes = f"{row['slope']:.2f} ± {row['slope_error']:.2f}"
+    if row["from"]:
+        slopes += f"; {row['slope_large']:.2f} ± {row['slope_large_error']:.2f} from {row['from']} on"
     return Verdict(
         f"{'greedy' if method == 'greedy' else 'greedy by plain brute force'} is linear in {x}",
         outcome(abs(row["slope_large"] - 1) <= LINEAR),
-        f"log-log slope {stated_slope(row)}",
+        f"log-log slope {slopes}",
     )
 
 

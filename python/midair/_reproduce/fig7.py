@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .. import _midair
 from .._support.cache import Arrays
 from .._sweep.engine import Job, pieces
-from . import drawing, scenes, tables
+from . import scenes, tables
 from .scenes import Options
 from .tables import Found, Run, Verdict, outcome
 
@@ -44,7 +44,7 @@ PANELS = (
 
 def measure(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
     """Return the widths along x and y in m, artefacts and radiated power for seeds start to stop."""
-    scene = drawing.scene(POINT, settings["target"])
+    scene = scenes.scene(POINT, settings["target"])
     steps = np.arange(-round(SPAN / STEP), round(SPAN / STEP) + 1) * STEP
     zero = np.zeros_like(steps)
     lines = np.concatenate([np.column_stack([steps, zero]), np.column_stack([zero, steps])])
@@ -82,7 +82,7 @@ def collect(run: Run) -> Found:
         settings = {"target": target, "options": options, "seed": run.seed}
         trials = run.trials if order == "random" else 1
         jobs += pieces(measure, settings, trials, CHUNK, panel)
-        _, fields[panel] = drawing.solved(POINT, target, "greedy", {**options, "seed": run.seed}, SIZE)
+        _, fields[panel] = scenes.solved(POINT, target, "greedy", {**options, "seed": run.seed}, SIZE)
     measured = run.gather(jobs)
     rows: tables.Rows = []
     for panel, target, order, balance in PANELS:
@@ -99,9 +99,7 @@ def collect(run: Run) -> Found:
                 "width_y_mm": 1e3 * float(np.median(mine["width_y"])),
                 "narrow": float(np.mean(widths < NARROW)),
                 "ideal": float(np.mean((widths > IDEAL[0]) & (widths < IDEAL[1]))),
-                "artefact": float(np.median(mine["artefact"])),
-                "power": float(np.median(mine["power"])),
-                "pressure": float(np.median(mine["pressure"])),
+                **{name: float(np.median(mine[name])) for name in ("artefact", "power", "pressure")},
             }
         )
     return Found(rows, fields)
@@ -115,7 +113,7 @@ def draw(found: Found) -> Figure:
     figure = Figure(figsize=(7.8, 9.6), layout="compressed")
     for axes, row in zip(figure.subplots(3, 2, sharex=True, sharey=True).flat, found.rows, strict=True):
         field = found.fields[row["panel"]]
-        image = drawing.picture(axes, field, SIZE, float(field.max()))
+        image = scenes.picture(axes, field, SIZE, float(field.max()))
         order = "random order" if row["order"] == "random" else "fixed order"
         how = ", balanced" if row["balance"] == "on" else ""
         axes.set_title(f"({row['panel']}) |p| = {row['target']:g}, {order}{how}", fontsize="medium")

@@ -4,7 +4,6 @@ import csv
 import math
 from collections import defaultdict
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
@@ -127,8 +126,7 @@ class Found(NamedTuple):
     fields: Mapping[str, NDArray[np.float64]] = MappingProxyType({})
 
 
-@dataclass(frozen=True)
-class Run:
+class Run(NamedTuple):
     """A run: trials, seed, the folder of its results, and where it is computed."""
 
     trials: int

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _midair
 from .._midair import numbers
+from .._support.arguments import number, refused
 from .._support.text import Facts
-from .envelope import Envelope
+from .drives import Envelope
 
 #: Samples per second of the envelope. Frequencies above half of it alias, at least 30 dB weaker.
 SAMPLES = 160e3
@@ -89,8 +90,7 @@ def threshold(frequency: ArrayLike) -> NDArray[np.float64]:
     The result is the threshold of the more sensitive channel, and inf outside of 1 to 1000 Hz.
     """
     frequencies = np.atleast_1d(numbers("frequency", frequency, None, "give frequencies in Hz"))
-    least: NDArray[np.float64] = np.minimum(*(_midair.threshold(fast, frequencies) for fast in (False, True)))
-    return least
+    return np.minimum(*(_midair.threshold(fast, frequencies) for fast in (False, True)))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -170,3 +170,26 @@ def rms(frequencies: NDArray[np.float64], lines: NDArray[np.float64], band: Sequ
     """Return the rms of the lines in a band (low, high): sqrt(sum of amplitude^2 / 2)."""
     inside = (frequencies >= band[0]) & (frequencies < band[1])
     return float(np.sqrt(np.sum(lines[inside] ** 2) / 2))
+
+
+def places_of(given: Any) -> NDArray[np.float64]:
+    """Return one place (3,) or the places (K, 3) of a patch, in m, as (K, 3)."""
+    return numbers("place", given, [(3,), (-1, 3)], "give (3,) in m, or (K, 3) for a patch").reshape(-1, 3)
+
+
+def bands_of(given: Any) -> tuple[tuple[float, float], ...]:
+    """Return frequency bands as pairs (low, high) in Hz."""
+    try:
+        found = [(band[0], band[1]) for band in given if len(band) == 2]
+        whole = len(found) == len(given)
+    except TypeError:
+        found, whole = [], False
+    if not whole:
+        raise refused("bands", given, "give pairs (low, high) in Hz")
+    read = []
+    for k, (low, high) in enumerate(found):
+        low, high = number(f"bands[{k}][0]", low, above=0), number(f"bands[{k}][1]", high, above=0)
+        if not low < high:
+            raise refused(f"bands[{k}]", (low, high), "give low < high, in Hz")
+        read.append((low, high))
+    return tuple(read)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.lib import format as npy
 
-from .._midair import Scene, stated
+from .._midair import Scene
 from .._support import output
 from .._support.arguments import path_of
 from .._support.text import arrays
@@ -37,14 +37,11 @@ def whole(path: str | PathLike[str], endings: tuple[str, ...]) -> Iterator[Path]
     # format.
     folder = output.part_of(target)
     try:
-        folder.mkdir()
-        part = folder / f"part{requested.suffix.lower()}"
-        yield part
-        output.put(part, target)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        cure = "make room or choose another folder"
-        raise stated(f'output "{path}"', f"cannot be written ({reason})", cure, code="unwritable") from error
+        with output.refusing(f'output "{path}"', "make room or choose another folder"):
+            folder.mkdir()
+            part = folder / f"part{requested.suffix.lower()}"
+            yield part
+            output.put(part, target)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 

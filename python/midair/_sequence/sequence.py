@@ -9,25 +9,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._midair import Plane
+from .._pictures.colours import Axes, Figure, Map, Size
 from .._support.arguments import needs, path_of
 from .._support.slips import Later
 from .._support.text import reading
 from . import files
-from .animation import animate
-from .judged import JudgedFrames
-from .picture import motion
+from .frames import Frames
+from .picture import animate, motion
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from xarray import Dataset
 
-    from .._pictures.colours import Map
-    from .._pictures.figures import Size
     from .picture import Panel
 
 
-class Sequence(JudgedFrames):
+class Sequence(Frames):
     """Frames of points and drives that follow one another, from any source.
 
     Parameters
@@ -202,7 +198,7 @@ class Sequence(JudgedFrames):
         return dataset(self)
 
 
-def dataset(sequence: JudgedFrames) -> Dataset:
+def dataset(sequence: Frames) -> Dataset:
     """Return points, targets, |p|, changes and drives as a dataset over time, point and transducer."""
     with needs("to_xarray needs xarray", "motion"):
         import xarray

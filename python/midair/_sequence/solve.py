@@ -1,35 +1,24 @@
-"""`midair.sequence` and `midair.stream`: solve frames one after another within a bound of phase change."""
+"""`midair.sequence`, `stream` and `multiplex`: solve frames within a bound of change, or for their mean."""
 
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
 from os import PathLike
+from pathlib import Path as File
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import (
-    Array,
-    Horizon,
-    Moving,
-    Scene,
-    SceneError,
-    Solution,
-    Solver,
-    bound_of,
-    check_together,
-    numbers,
-    paced,
-    restated,
-    stated,
-)
-from .._support.arguments import callback, flag, frame_rate, number, refused, whole
+from .. import _midair
+from .._midair import Array, Motion, Moving, Scene, SceneError, Solver, numbers, restated, solver_name, stated
+from .._support import arguments
+from .._support.arguments import flag, frame_rate, number, refused, warn, whole, without_warnings
 from ..path import Path, read, still
 from ..path._frames import changing_pressures
 from . import store
-from .arguments import time_constant
+from .drives import time_constant
 from .frames import AIR, air_of
 from .sequence import Sequence
 
@@ -130,22 +119,19 @@ def sequence(
     >>> sequence.metrics.uniformity > 0.99, sequence.metrics.largest_change <= 0.1964
     (True, True)
     """
-    callback(progress, "frames done, frames")
+    arguments.callback(progress, "frames done, frames")
     frames = read(path, rate, pressures)
+    pace: dict[str, Any] = {"rate": rate, "change": change, "change_rate": change_rate, "tau": tau}
+    pace |= {"ahead": ahead, "aim": aim}
     moving = Moving(
         array,
         frames.points,
         frames.targets,
         solver,
-        rate=rate,
         pascals=pressures is not None or (isinstance(path, Path) and path.pascals),
         joined=frames.closed if isinstance(path, Path) else None,
-        change=change,
-        change_rate=change_rate,
-        tau=tau,
         closed=None if closed is None else flag("closed", closed),
-        ahead=ahead,
-        aim=aim,
+        **pace,
         **options,
     )
     if tau is not None:
@@ -160,6 +146,35 @@ def sequence(
         solved = Sequence._solved(moving, _drives(moving, progress))
     moving.warn_of_pulls(solved.drive)
     return solved
+
+
+def motion_of(file: File) -> Motion | None:
+    """Read the motion of a scene file, None if it has no [motion]. Errors name the file and the line."""
+    return Motion.read(arguments.existing("path", file, "give a .toml or .json file"))
+
+
+def solver_of(motion: Motion) -> str:
+    """Return the name of a file's solver; glide without one."""
+    return motion.scene.solver[0] if motion.scene.solver else "glide"
+
+
+def solve_motion(
+    motion: Motion, array: Array | None = None, solver: str | None = None, **keywords: Any
+) -> Sequence:
+    """Solve the sequence of a scene file; `array` and `solver` replace those of the file.
+
+    The file's options apply to its own solver only. An error about a value of [motion] names the place in
+    the file.
+    """
+    scene, own = motion.scene, solver_of(motion)
+    name = own if solver is None else solver_name(solver)
+    options = scene.solver[1] if scene.solver and name == own else {}
+    given = {**motion.settings, **air_of(scene), **options, **keywords}
+    try:
+        return sequence(scene.array if array is None else array, motion.path, name, **given)
+    except SceneError as error:
+        placed = None if error.item in keywords else motion.placed(error)
+        raise (placed or error) from error
 
 
 def _drives(moving: Moving, progress: Callable[[int, int], object] | None) -> NDArray[Any]:
@@ -179,7 +194,7 @@ def _drives(moving: Moving, progress: Callable[[int, int], object] | None) -> ND
 
 
 def modulated(
-    solution: Solution,
+    solution: _midair.Solution,
     frequency: float | ArrayLike,
     shape: Literal["sqrt", "cosine", "square"] = "sqrt",
     depth: float = 1.0,
@@ -237,17 +252,11 @@ def modulated(
         raise refused("frequency", pace, f"no whole periods at {frames:g} frames/s, give {near:.6g} Hz")
     rest = still(scene.points[:1], duration=ratio.denominator / pace)
     factors = rest.modulated(frequency, shape, depth, samples_rate=samples_rate).frames(frames)[1]
-    levels = np.abs(solution.pressures) / max(solution.scale, 1e-30)
-    return Sequence(
-        scene.array,
-        np.broadcast_to(scene.points, (len(factors), *scene.points.shape)),
-        levels * factors,
-        solution.drive * factors.astype(np.float32),
-        rate=frames,
-        closed=True,
-        solver=solution.solver,
-        **air_of(scene),
-    )
+    points = np.broadcast_to(scene.points, (len(factors), *scene.points.shape))
+    levels = np.abs(solution.pressures) / max(solution.scale, 1e-30) * factors
+    drives = solution.drive * factors.astype(np.float32)
+    own: dict[str, Any] = {"rate": frames, "closed": True, "solver": solution.solver}
+    return Sequence(scene.array, points, levels, drives, **own, **air_of(scene))
 
 
 #: Arguments of `sequence` that `stream` does not accept, with the reason.
@@ -310,11 +319,12 @@ def stream(
     each = frame_rate(rate)
     frames = _frames(frames, options)
     if known := whole("ahead", ahead, least=0):
-        most = bound_of(each, change, change_rate)
+        most = _midair.bound_of(each, change, change_rate)
         other = {name: value for name, value in options.items() if name not in (*AIR, "quantization")}
-        check_together(solver, tau, other)
+        _midair.check_together(solver, tau, other)
         return _ahead(array, frames, most, known, aim, options)
-    follower = Solver(array, solver, **{**paced(solver, each, change, change_rate, tau, aim), **options})
+    options = {**_midair.paced(solver, each, change, change_rate, tau, aim), **options}
+    follower = Solver(array, solver, **options)
     if tau is not None:
         time_constant(tau)
     return _followed(follower, frames)
@@ -341,7 +351,8 @@ def _ahead(
                 pressures = np.full(len(points), Scene(array, points, **air).reach().level)
         if horizon is None:
             # No list is as long as the largest number.
-            horizon = Horizon(Scene(array, points, **options), change, min(ahead, sys.maxsize >> 1), aim)
+            scene = Scene(array, points, **options)
+            horizon = _midair.Horizon(scene, change, min(ahead, sys.maxsize >> 1), aim)
         horizon.push(points, pressures)
         if not horizon.wanted and (drive := horizon.advance()) is not None:
             yield drive
@@ -380,3 +391,101 @@ def _frames(given: Any, options: dict[str, Any]) -> Iterator[Any]:
         if name in options:
             raise refused(name, options[name], cure)
     return iter(given)
+
+
+#: Largest relative error of the mean that gives no warning, as for solvers.
+MISSED = 0.01
+#: Most rounds: more would run for hours, and the error stands still after some tens.
+MOST_ROUNDS = 10_000
+
+
+def multiplex(
+    scene: Scene, frames: int, solver: str = "descent", *, rate: float, rounds: int = 10, **options: Any
+) -> Sequence:
+    """Solve for several drives that play in turn, so that their mean |p|^2 is what the scene requests.
+
+    Parameters
+    ----------
+    scene : midair.Scene
+        M points and their pressures in Pa.
+    frames : int
+        Number of drives T, at least 2.
+    solver : str, optional
+        Solver of each drive; "descent" and "lm" go on from a drive and meet unequal targets.
+    rate : float
+        Frames per second.
+    rounds : int, optional
+        Number of times that the targets of the drives are divided anew, at most 10,000.
+    **options
+        Options of the solver.
+
+    Returns
+    -------
+    midair.Sequence
+        T frames, closed; `rms` (M,) is what the scene requests. `targets` are those of each frame.
+
+    Raises
+    ------
+    SceneError
+        For a scene without pressures or with a signature, and for wrong options.
+
+    Warns
+    -----
+    SceneWarning
+        If the mean misses the pressures by more than 1 %.
+
+    See Also
+    --------
+    midair.solve : one drive.
+
+    Notes
+    -----
+    At first each point belongs to one frame, with the target sqrt(T) t_j. In each round, frame k gets the
+    targets t_j |p_jk| / sqrt(mean_k |p_jk|^2), the nearest ones with the right mean, and is solved from its
+    last drive: alternating projections. The round of least error is returned.
+
+    Examples
+    --------
+    >>> import midair
+    >>> points = [[0.008 * x, 0.008 * y, 0.1] for x in range(-2, 3) for y in range(-2, 3)]
+    >>> board = midair.Array.preset("openmpd_board", quantization={})
+    >>> scene = midair.Scene(board, points, pressures=300)
+    >>> pattern = midair.multiplex(scene, 3, rate=1e3)
+    >>> bool(abs(pattern.rms / 300 - 1).max() < 1e-4)
+    True
+    """
+    count, rounds = whole("frames", frames, least=2), whole("rounds", rounds, least=1, most=MOST_ROUNDS)
+    rate = frame_rate(rate)
+    if not isinstance(scene, Scene) or scene.pressures is None:
+        raise refused("scene", scene, "give a midair.Scene with pressures=")
+    if scene.signature is not None:
+        raise stated("scene.signature", "is given", "a mean is of foci, leave it out", code="conflict")
+    wanted, each = scene.pressures, np.ones(len(scene.points)) if scene.weights is None else scene.weights
+    # Only ratios of weights count; in sums over points the largest is 1, so that none overflows.
+    share = each / max(each.max(), np.finfo(float).tiny)
+    # Frame k begins with the points k, k + T, k + 2 T and so on.
+    turns = min(count, len(wanted) + 1)
+    own = np.arange(len(wanted)) % turns == np.arange(turns)[:, None]
+    if not ((share > 0) & (wanted > 0) & own).any(axis=1).all():
+        raise refused("frames", frames, "each needs a point of a pressure and a weight above 0: give fewer")
+    places = np.broadcast_to(scene.points, (count, *scene.points.shape))
+    targets, weights, start = np.sqrt(count) * wanted * own, each * own, None
+    gains, least = scene.propagation().T, np.inf
+    for _ in range(1 + rounds):
+        with without_warnings():
+            batch = _midair.solve_batch(
+                scene, places, targets, solver, weights=weights, start=start, **options
+            )
+        pressures = np.abs(batch.drives @ gains)
+        mean = np.sqrt((pressures**2).mean(axis=0))
+        missed = (share * (mean - wanted) ** 2).sum() / (share * wanted**2).sum()
+        if missed < least:
+            least, best = missed, (targets, batch.drives)
+        targets = pressures * np.divide(wanted, mean, out=np.zeros(len(wanted)), where=mean > 0)
+        weights, start = each, batch.drives
+    if least > MISSED**2:
+        warn(
+            f"the mean of {count} frames misses the pressures by {100 * np.sqrt(least):.2g} %:"
+            " give more frames, or fewer points or lower pressures"
+        )
+    return Sequence(scene.array, places, *best, rate=rate, closed=True, solver=solver, **air_of(scene))

@@ -114,7 +114,7 @@ class Pieces:
         self._folder = folder
         self.request = request
         path = folder / REQUEST
-        with cache.refusing(path):
+        with output.refusing(f'"{path}"'):
             other = path.read_bytes() if path.is_file() else b""
             # A damaged request file is ignored: each piece also identifies its request.
             if re.fullmatch(rb"[0-9a-f]{64}", other) and other != request.encode():

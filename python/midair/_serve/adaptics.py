@@ -18,8 +18,8 @@ import numpy as np
 from .._boards.errors import BoardError
 from .._midair import SceneError, numbers, stated
 from .._support.arguments import flag, json_object, number, refused, word
-from .client import Client
 from .live import Frame, Live, Wanted
+from .messages import Client
 from .tacton import Matrix, Moment, Tacton, Touch
 
 #: Largest number of characters of an error message to a client: the message may quote data from the client.

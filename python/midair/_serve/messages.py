@@ -1,20 +1,33 @@
-"""Messages of clients, as docs/serve.md lists them: each is checked, executed on a `Live` and answered."""
+"""WebSocket clients, whose number and unread bytes are bounded, and their messages (docs/serve.md).
+
+Each message is checked, executed on a `Live` and answered.
+"""
 
 import asyncio
 import json
+import math
+import time
 from collections.abc import Callable, Hashable
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from websockets.asyncio.connection import broadcast
+from websockets.asyncio.server import ServerConnection
 
 from .._boards.errors import BoardError
 from .._midair import SceneError, numbers, stated
 from .._support.arguments import json_object, number, refused, vectors
 from ..path import Path
-from .client import Client
 from .life import SILENCE
 from .live import Live
+
+#: Largest number of clients, and of strangers. The library bounds a stranger's request: 128 lines of 8 kB.
+MOST_CLIENTS, MOST_STRANGERS = 64, 64
+
+#: Largest number of bytes that a client leaves unread.
+MOST_UNREAD = 1 << 20
 
 #: Numbers per point in a binary message: x, y, z, pressure.
 ROW = 4
@@ -24,6 +37,63 @@ LEAST_REPORT, IDLE = 0.01, 0.05
 
 #: Keys of a JSON message, of which a message needs at least one.
 KEYS = ("points", "path", "modulation", "off", "keep", "state", "metrics")
+
+
+class Client(ServerConnection):
+    """A connection: a stranger's until it is admitted.
+
+    Attributes
+    ----------
+    arrived
+        When its last bytes came, by `time.monotonic`.
+    """
+
+    def __init__(
+        self, strangers: "dict[Client, None]", clients: "set[Client]", *arguments: Any, **options: Any
+    ) -> None:
+        super().__init__(*arguments, **options)
+        self._strangers, self._clients = strangers, clients
+        self.arrived = -math.inf
+
+    def admit(self) -> bool:
+        """Make this stranger a client; return False if there are too many clients."""
+        if len(self._clients) >= MOST_CLIENTS:
+            return False
+        self._strangers.pop(self, None)
+        self._clients.add(self)
+        return True
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Join the strangers; end the connection of the oldest one if there are too many."""
+        super().connection_made(transport)
+        self._strangers[self] = None
+        if len(self._strangers) > MOST_STRANGERS:
+            oldest = next(iter(self._strangers))
+            del self._strangers[oldest]
+            oldest.transport.abort()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Leave the strangers or the clients."""
+        self._strangers.pop(self, None)
+        self._clients.discard(self)
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        """Note the time."""
+        self.arrived = time.monotonic()
+        super().data_received(data)
+
+    def say(self, text: str) -> None:
+        """Send a message from any thread, without waiting. End the connection of a client that reads none."""
+        # The loop may have ended.
+        with suppress(RuntimeError):
+            self.loop.call_soon_threadsafe(self._say, text)
+
+    def _say(self, text: str) -> None:
+        if self.transport.get_write_buffer_size() > MOST_UNREAD:
+            self.transport.abort()
+        else:
+            broadcast([self], text)
 
 
 class Talk:
@@ -138,7 +208,6 @@ def _read(message: str) -> dict[str, Any]:
 def _path(table: Any) -> Any:
     """Return the path of a table as in a scene file. Tables that name files are refused, for safety."""
     if not isinstance(table, dict) or table.get("kind") == "svg" or "file" in table:
-        raise stated(
-            "path", "reads a file, or is no object", "give a table as in [[motion.path]], but no svg"
-        )
+        cure = "give a table as in [[motion.path]], but no svg"
+        raise stated("path", "reads a file, or is no object", cure)
     return Path._of(table)

@@ -33,9 +33,8 @@ from .._midair import SceneError, stated
 from .._support.arguments import refused
 from . import osc
 from .adaptics import Page, Player
-from .client import Client
 from .live import Live
-from .messages import Talk, obey_osc
+from .messages import Client, Talk, obey_osc
 
 #: Largest size in bytes of a message, and of a pattern of Adaptics.
 MOST_BYTES, MOST_PATTERN = 1 << 16, 1 << 20
@@ -235,9 +234,8 @@ def _bound(port: int, osc_port: int) -> tuple[socket.socket, socket.socket]:
         tcp = socket.create_server(("127.0.0.1", port), backlog=128)
     except (OSError, OverflowError) as error:
         udp.close()
-        raise stated(
-            "", f"port {port} or {osc_port}", f"{error}; give another one, or 0 for a free one"
-        ) from error
+        cure = f"{error}; give another one, or 0 for a free one"
+        raise stated("", f"port {port} or {osc_port}", cure) from error
     udp.setblocking(False)
     # Connections inherit it.
     tcp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVED)

@@ -9,7 +9,6 @@ import operator
 import random
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from .._midair import stated
@@ -62,16 +61,14 @@ class Touch(NamedTuple):
     moment: Moment
 
 
-@dataclass(frozen=True)
-class Stage:
+class Stage(NamedTuple):
     """The value of a keyframe's property, and whether it changes linearly until the next keyframe."""
 
     value: Any
     linear: bool
 
 
-@dataclass(frozen=True)
-class Keyframe:
+class Keyframe(NamedTuple):
     """A time in ms and the properties that begin there; a property that is None does not change."""
 
     time: float
@@ -154,9 +151,8 @@ class Tacton:
         except (ArithmeticError, ValueError) as error:
             raise stated("pattern", f"gives no number at {moment.pattern:.6g} ms", str(error)) from error
         if not all(map(math.isfinite, (*found.point, found.intensity, *found.moment))):
-            raise stated(
-                "pattern", f"gives no finite point at {moment.pattern:.6g} ms", "look at its formulas"
-            )
+            cure = "look at its formulas"
+            raise stated("pattern", f"gives no finite point at {moment.pattern:.6g} ms", cure)
         return found
 
     def _at(self, time: float, moment: Moment, value: Lookup, matrix: Matrix | None) -> Touch:

@@ -15,7 +15,7 @@ import numpy as np
 from .._boards.connection import Connection
 from .._boards.errors import BoardError
 from .._midair import SceneError, stated
-from .page import BUILT, file
+from .view import BUILT, file
 
 #: Content types by file ending. Browsers require them, because the header "nosniff" forbids guessing.
 TYPES = {
@@ -116,9 +116,8 @@ class Server(ThreadingHTTPServer):
     ) -> None:
         file("index.html", folder)
         # All files that the server sends.
-        self.files = {
-            f"/{path.relative_to(folder).as_posix()}": path for path in folder.rglob("*") if path.is_file()
-        }
+        files = (path for path in folder.rglob("*") if path.is_file())
+        self.files = {f"/{path.relative_to(folder).as_posix()}": path for path in files}
         self.files["/"] = self.files["/index.html"]
         self.scene = scene
         self.board = board
@@ -154,14 +153,6 @@ class Answer(BaseHTTPRequestHandler):
     #: Time in s without data after which a connection is closed.
     timeout = 60
 
-    def do_GET(self) -> None:
-        """Answer with headers and content."""
-        self._answer(with_content=True)
-
-    def do_HEAD(self) -> None:
-        """Answer with headers only."""
-        self._answer(with_content=False)
-
     def do_POST(self) -> None:
         """Play the page's drive on the board at /board?MS, or turn the board off if it is empty.
 
@@ -194,7 +185,8 @@ class Answer(BaseHTTPRequestHandler):
     def log_message(self, format: str, *arguments: Any) -> None:
         """Print nothing."""
 
-    def _answer(self, *, with_content: bool) -> None:
+    def do_GET(self) -> None:
+        """Answer with headers and content; HEAD with headers only."""
         if not HERE.fullmatch(self.headers.get("Host", "")):
             self.send_error(HTTPStatus.FORBIDDEN, "only 127.0.0.1 and localhost are served")
             return
@@ -209,7 +201,9 @@ class Answer(BaseHTTPRequestHandler):
         else:
             self.send_error(HTTPStatus.NOT_FOUND)
             return
-        self._send(HTTPStatus.OK, kind, content, with_content=with_content)
+        self._send(HTTPStatus.OK, kind, content)
+
+    do_HEAD = do_GET
 
     def _play(self, board: PagesBoard, at: float, content: bytes) -> None:
         """Play a drive, and answer with the text of the error, or with an empty text."""
@@ -220,10 +214,10 @@ class Answer(BaseHTTPRequestHandler):
             status, line = HTTPStatus.CONFLICT, str(error)
         self._send(status, "text/plain; charset=utf-8", line.encode())
 
-    def _send(self, status: HTTPStatus, kind: str, content: bytes, *, with_content: bool = True) -> None:
+    def _send(self, status: HTTPStatus, kind: str, content: bytes) -> None:
         self.send_response(status)
         self.send_header("Content-Type", kind)
         self.send_header("Content-Length", str(len(content)))
         self.end_headers()
-        if with_content:
+        if self.command != "HEAD":
             self.wfile.write(content)

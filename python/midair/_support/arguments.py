@@ -126,10 +126,10 @@ def vector(item: str, value: Any) -> NDArray[np.float64]:
     return numbers(item, value, [(3,)], "give three finite numbers")
 
 
-def vectors(item: str, value: Any, least: int = 2, most: float | None = None) -> NDArray[np.float64]:
+def vectors(item: str, value: Any, least: int = 2) -> NDArray[np.float64]:
     """Check vectors (K, 3), at least `least`; return them as an array."""
     cure = f"give {f'at least {least} ' if least > 1 else ''}points [x, y, z] in m"
-    return numbers(item, value, [(-least, 3)], cure, most=most)
+    return numbers(item, value, [(-least, 3)], cure)
 
 
 def path_of(item: str, value: Any, cure: str = "give the name of a file") -> Path:

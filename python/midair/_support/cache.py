@@ -60,7 +60,7 @@ def save(path: Path, identity: str, arrays: Mapping[str, NDArray[Any]]) -> None:
     content = io.BytesIO()
     np.savez(content, **arrays)  # type: ignore[arg-type]
     packed = content.getvalue()
-    with refusing(path):
+    with output.refusing(f'"{path}"'):
         path.parent.mkdir(parents=True, exist_ok=True)
         output.write(path, packed + digest(identity, packed))
 
@@ -73,26 +73,11 @@ def digest(identity: str, packed: bytes) -> bytes:
     return hashlib.sha256(f"{identity}\n".encode() + packed).digest()
 
 
-@contextmanager
-def refusing(path: Path) -> Iterator[None]:
-    """Convert the system's errors about a path to a SceneError of one line."""
-    try:
-        yield
-    except OSError as error:
-        raise stated(
-            f'"{path}"',
-            f"cannot be written ({error.strerror or error})",
-            "make room or choose another folder; what is done is kept",
-            code="unwritable",
-        ) from error
-
-
 def check(folder: Path) -> None:
     """Raise SceneError if a folder for cache files is a link or no folder."""
     if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
-        raise stated(
-            f'"{folder}"', "is there and no folder of kept results", "remove it, or choose another output"
-        )
+        cure = "remove it, or choose another output"
+        raise stated(f'"{folder}"', "is there and no folder of kept results", cure)
 
 
 @contextmanager
@@ -102,7 +87,7 @@ def locked(folder: Path) -> Iterator[None]:
     Raises SceneError at once if another process has the lock. The system frees the lock of a killed process.
     """
     check(folder)
-    with refusing(folder):
+    with output.refusing(f'"{folder}"'):
         handle = _kept(folder)
     if handle is None:
         cure = "wait until that ends, or choose another output"

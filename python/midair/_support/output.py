@@ -6,8 +6,8 @@ import json
 import os
 import shutil
 import stat
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -33,12 +33,11 @@ def check(path: Path, endings: tuple[str, ...], others: Iterable[Path] = ()) -> 
     if path.suffix.lower() not in endings:
         cure = f"give {' or '.join(', '.join(endings).rsplit(', ', 1))}"
         raise stated(f'output "{path}"', "has no known ending", cure, code="unwritable")
-    try:
+    with refusing(f'output "{path}"', "choose another name or folder"):
         target = real(path)
-        mode = target.stat().st_mode if target.exists() else None
-        if mode is not None and stat.S_ISDIR(mode):
+        if target.is_dir():
             raise stated(f'output "{path}"', "is a folder", "give a file", code="unwritable")
-        if mode is not None and not stat.S_ISREG(mode):
+        if target.exists() and not target.is_file():
             raise stated(f'output "{path}"', "is a device or pipe", "give a file", code="unwritable")
         if not target.parent.is_dir():
             raise stated(f'output folder "{path.parent}"', "is not there", "make it first", code="unwritable")
@@ -46,16 +45,24 @@ def check(path: Path, endings: tuple[str, ...], others: Iterable[Path] = ()) -> 
             if _same(target, other):
                 cure = "give another name"
                 raise stated(f'output "{path}"', f'is the file "{other}" itself', cure, code="unwritable")
-        if mode is not None and not os.access(target, os.W_OK):
+        if target.exists() and not os.access(target, os.W_OK):
             raise PermissionError(13, "write-protected")
         tidy(target)
         part = part_of(target)
         part.touch()
         part.unlink()
+
+
+@contextmanager
+def refusing(
+    item: str, cure: str = "make room or choose another folder; what is done is kept"
+) -> Iterator[None]:
+    """Convert the system's errors about an output to a SceneError of one line."""
+    try:
+        yield
     except OSError as error:
         reason = error.strerror or str(error)
-        cure = "choose another name or folder"
-        raise stated(f'output "{path}"', f"cannot be written ({reason})", cure, code="unwritable") from error
+        raise stated(item, f"cannot be written ({reason})", cure, code="unwritable") from error
 
 
 def real(path: Path) -> Path:
@@ -185,14 +192,10 @@ def to_json(record: Any) -> str:
 def _record(scene: Scene, solution: Solution) -> dict[str, Any]:
     metrics = solution.metrics
     return {
-        "drive": solution.drive,
-        "amplitudes": solution.amplitudes,
-        "phases": solution.phases,
+        **{name: getattr(solution, name) for name in ("drive", "amplitudes", "phases")},
         "positions": scene.array.positions,
         "points": scene.points,
-        "targets": solution.targets,
-        "pressures": solution.pressures,
-        "scale": solution.scale,
+        **{name: getattr(solution, name) for name in ("targets", "pressures", "scale")},
         **{name: getattr(metrics, name) for name in METRICS},
         **({} if solution.complex_error is None else {"complex_error": solution.complex_error}),
         "steps": solution.steps,

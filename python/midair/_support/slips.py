@@ -26,8 +26,9 @@ NAMED = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY
 
 
 def attach(package: str) -> None:
-    """Wrap the functions and classes of a package's `__all__`."""
+    """Wrap the functions and classes of a package's `__all__`, which is also what `dir` lists."""
     module = sys.modules[package]
+    vars(module)["__dir__"] = lambda: module.__all__
     for key in module.__all__:
         setattr(module, key, guided(getattr(module, key), f"{package}.{key}"))
 

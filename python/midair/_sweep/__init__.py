@@ -85,15 +85,8 @@ def sweep(
     """
     parts: list[dict[str, list[Any]]] = []
     requested = read(request, drives=drives is not None)
-    work(
-        requested,
-        output,
-        drives,
-        receive=parts.append,
-        scheduler=scheduler,
-        threads=threads,
-        progress=progress,
-    )
+    how: dict[str, Any] = {"scheduler": scheduler, "threads": threads, "progress": progress}
+    work(requested, output, drives, receive=parts.append, **how)
     return table.as_columns(parts, requested)
 
 
@@ -136,15 +129,9 @@ def work(
                 shortfall.add(arrays)
                 first += job.stop - job.start
 
-            run(
-                _jobs(requested, chunk),
-                take,
-                chunks=folder,
-                scheduler=scheduler,
-                threads=threads,
-                tell=counted(progress, requested.problems),
-                fits=table.fits,
-            )
+            how: dict[str, Any] = {"chunks": folder, "scheduler": scheduler, "threads": threads}
+            tell = counted(progress, requested.problems)
+            run(_jobs(requested, chunk), take, tell=tell, fits=table.fits, **how)
         if folder is not None:
             engine.remove(folder)
     if text := shortfall.text():

@@ -1,7 +1,5 @@
 """Runs many independent jobs on threads or a Dask cluster; stores results, and returns them in order."""
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import json
@@ -16,7 +14,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from queue import Empty, Queue
 from threading import Thread
 from typing import TYPE_CHECKING, Any
 
@@ -55,41 +52,37 @@ def workers(scheduler: str) -> Iterator[tuple[Executor, int]]:
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Suppress Dask's long messages about a lost connection; an error of one line replaces them."""
-    loggers = [logging.getLogger(name) for name in _NOISY]
-    levels = [logger.level for logger in loggers]
-    for logger in loggers:
+    levels = {logger: logger.level for logger in map(logging.getLogger, _NOISY)}
+    for logger in levels:
         logger.setLevel(logging.CRITICAL)
     try:
         yield
     finally:
-        for logger, level in zip(loggers, levels, strict=True):
+        for logger, level in levels.items():
             logger.setLevel(level)
 
 
-def _connected(scheduler: str) -> Client:
+def _connected(scheduler: str) -> "Client":
     """Return a client within PATIENCE s.
 
     Dask itself would wait without end for a server that does not answer.
     """
     from distributed import Client
 
-    answers: Queue[Client | Exception] = Queue()
+    answer: Future[Client] = Future()
 
     def connect() -> None:
         try:
-            answers.put(Client(scheduler, timeout=PATIENCE, set_as_default=False))
+            answer.set_result(Client(scheduler, timeout=PATIENCE, set_as_default=False))
         except Exception as error:
-            answers.put(error)
+            answer.set_exception(error)
 
     Thread(target=connect, daemon=True).start()
     try:
-        answer = answers.get(timeout=PATIENCE)
-    except Empty:
-        answer = TimeoutError()
-    if isinstance(answer, Exception):
+        return answer.result(PATIENCE)
+    except Exception as error:
         cure = "give the address that `dask scheduler` prints, such as tcp://127.0.0.1:8786"
-        raise stated(f'scheduler "{scheduler}"', "does not answer", cure) from answer
-    return answer
+        raise stated(f'scheduler "{scheduler}"', "does not answer", cure) from error
 
 
 Settings = Mapping[str, Any]
@@ -216,9 +209,8 @@ def run(
             for job in jobs:
                 kept = None if chunks is None else load(chunks / job.path, job.stop - job.start)
                 if kept is None or not fits(job, kept):
-                    future = executor.submit(
-                        _work, version("midair"), job.function, job.settings, job.start, job.stop
-                    )
+                    given = job.function, job.settings, job.start, job.stop
+                    future = executor.submit(_work, version("midair"), *given)
                     unsaved[future] = job
                 else:
                     future = Future()

@@ -1,30 +1,166 @@
-"""Expands arrays, medium, points and scenes of a sweep along all axes: settings and columns of each block."""
+"""Expands arrays, medium, points and scenes of a sweep along its axes: settings and columns of each block."""
 
 import json
 import math
 import warnings
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import product
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from .._midair import (
-    Array,
-    Scene,
-    SceneError,
-    SceneWarning,
-    memory_limit,
-    restated,
-    scene_files,
-    stated,
-    sweep_keys,
-    unknown_name,
-)
-from .._support.arguments import warn
-from .axes import Tables, array_table, column, put, short
+import numpy as np
+
+from .. import _midair
+from .._midair import Array, Scene, SceneError, memory_limit, restated, stated, sweep_keys, unknown_name
+from .._support.arguments import warn, without_warnings
 from .block import array_and_medium, first_scene, trial_seed
+
+Tables = dict[str, Any]
+
+
+def plain(value: Any, name: str = "") -> Any:
+    """Return a value as dicts, lists, finite numbers and text; scenes and paths in `scenes` do not change."""
+    if isinstance(value, float) and not math.isfinite(value):
+        raise stated(f"{name or 'sweep'}", f"is {float(value)}", "give a finite number")
+    if isinstance(value, str):
+        return _word(value, name)
+    if value is None or isinstance(value, bool | int | float):
+        return value
+    if isinstance(value, Scene | PathLike) and name.startswith("scenes["):
+        return value
+    if isinstance(value, complex):
+        return [value.real, value.imag]
+    if isinstance(value, Array):
+        return array_table(value)
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist(), name)
+    if isinstance(value, Mapping):
+        return {
+            _word(str(key), name): plain(inner, f"{name}.{key}" if name else str(key))
+            for key, inner in value.items()
+        }
+    if isinstance(value, Sequence):
+        return [plain(inner, f"{name}[{index}]") for index, inner in enumerate(value)]
+    cure = "give numbers, words, lists and tables as a sweep file has them"
+    raise stated(f"{name or 'sweep'}", f"is {short(value)}", cure)
+
+
+def _word(text: str, name: str) -> str:
+    if not text.isprintable():
+        raise stated(f"{name or 'sweep'}", f"has {short(text)}", "give words that can be printed")
+    return text
+
+
+def array_table(array: Array) -> dict[str, Any]:
+    """Return the table of an array, as in a scene file."""
+    table = _full_table(array)
+    # Values that a preset sets itself are left out, so that an axis with other presets uses their own values.
+    usual = Array.preset(table["preset"]) if "preset" in table else Array.grid(1, 1, 0.01)
+    same = {key for key, value in _full_table(usual).items() if table.get(key) == value}
+    dropped = same & {"source_pressure", "directivity"}
+    return {key: value for key, value in table.items() if key not in dropped}
+
+
+def _full_table(array: Array) -> dict[str, Any]:
+    with without_warnings():
+        scene = Scene(array, array.positions[:1] + 0.1 * array.normals[:1])
+    table: dict[str, Any] = json.loads(scene.json())["array"]
+    return table
+
+
+def short(value: Any) -> str:
+    """Return a value as text for an error, in one line."""
+    try:
+        text = " ".join(repr(value).split())
+    except RecursionError:
+        text = "nested too deep"
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+#: Tables that can have axes, and their keys that take a single number or word; a list there is an axis too.
+_SINGLE = {
+    "array": (
+        "preset",
+        *(
+            name
+            for name, kind in _midair.array_parts().items()
+            if kind not in ("complexes", "flags", "indices")
+        ),
+    ),
+    "medium": tuple(_midair.scene_keys()["medium"]),
+    "points": (),
+}
+
+#: Keys that are alternatives: an axis of one of them replaces the others in the request.
+_INSTEAD = {
+    "array": ({"grid"}, {"preset", "tiles"}, {"positions", "normals"}),
+    "medium": ({"sound_speed"}, {"temperature"}),
+    "points": ({"pressure"}, {"pressures"}),
+}
+
+
+def read_axes(tables: Tables) -> dict[str, list[Any]]:
+    """Return every axis by its name, in order: lists in place of single values, then those of [axes]."""
+    axes: dict[str, list[Any]] = {}
+    for name, values in [*_lists(tables), *_flat(tables.get("axes", {}))]:
+        root, _, key = name.partition(".")
+        if root not in _SINGLE or not key:
+            lists = "options of a solver and points.count take lists where they stand"
+            cure = f"give a key of array, medium or points, such as medium.temperature; {lists}"
+            raise stated("", f'unknown axis "{name}"', cure)
+        if not isinstance(values, list) or not values:
+            raise stated(f"axis {name}", f"is {short(values)}", "give a list of values")
+        if name in axes:
+            raise stated(f"axis {name}", "is given twice", "leave one out", code="conflict")
+        axes[name] = values
+    return axes
+
+
+def _lists(tables: Tables) -> Iterator[tuple[str, Any]]:
+    for root, keys in _SINGLE.items():
+        table = tables.get(root)
+        for key in keys:
+            if isinstance(table, Mapping) and isinstance(table.get(key), list):
+                yield f"{root}.{key}", table[key]
+
+
+def _flat(table: Any, before: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield (name, values) of each axis. Names have dots, even if the file has nested tables instead."""
+    if not isinstance(table, Mapping):
+        cure = "give a table [axes] such as medium.temperature = [15, 25]"
+        raise stated("axes", f"is {short(table)}", cure)
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{before}{key}.")
+        else:
+            yield f"{before}{key}", value
+
+
+def put(tables: Tables, name: str, value: Any) -> Tables:
+    """Return the tables with one key changed, and without the alternative keys (`_INSTEAD`)."""
+    root, key, *inner = name.split(".")
+    mine = next((group for group in _INSTEAD[root] if key in group), None)
+    gone = set() if mine is None else set().union(*_INSTEAD[root]) - mine
+    table = {other: kept for other, kept in tables[root].items() if other not in gone}
+    return {**tables, root: _within(table, [key, *inner], value)}
+
+
+def _within(table: Any, path: list[str], value: Any) -> Any:
+    if not path:
+        return value
+    kept = table if isinstance(table, Mapping) else {}
+    return {**kept, path[0]: _within(kept.get(path[0]), path[1:], value)}
+
+
+def column(values: list[Any]) -> list[Any]:
+    """Return an axis's values for the table: numbers and words, else JSON, else their indices."""
+    if not any(isinstance(value, list | Mapping) for value in values):
+        return values
+    texts = [value if isinstance(value, str) else json.dumps(value) for value in values]
+    return texts if max(map(len, texts)) <= 60 else list(range(len(values)))
+
 
 #: For each block its settings without the solver, and the cells that its rows have in common.
 Sets = list[tuple[dict[str, Any], dict[str, Any]]]
@@ -105,10 +241,10 @@ def read_sets(
             changed, read = _with_positions(changed, folder)
             files += read
             settings, transducers = _settings(changed, common, where, at)
-            sets.append(
-                (settings, {**columns, "transducers": transducers, "points": settings["count"], **own})
-            )
-    texts = dict.fromkeys(str(one.message) for one in reported if issubclass(one.category, SceneWarning))
+            counts = {"transducers": transducers, "points": settings["count"]}
+            sets.append((settings, {**columns, **counts, **own}))
+    warned = (one for one in reported if issubclass(one.category, _midair.SceneWarning))
+    texts = dict.fromkeys(str(one.message) for one in warned)
     for text in list(texts)[:MOST_REPORTED]:
         warn(text)
     return sets, list(dict.fromkeys(files))
@@ -126,9 +262,8 @@ def _arrays(tables: Tables) -> list[Base]:
     if isinstance(given, list):
         given = _listed(given)
     if not isinstance(given, Mapping):
-        raise stated(
-            "points", "is missing", "give [points] with count, x, y and z, or scenes", code="missing"
-        )
+        cure = "give [points] with count, x, y and z, or scenes"
+        raise stated("points", "is missing", cure, code="missing")
     counts = given.get("count")
     if counts == []:
         raise stated("points.count", "is an empty list", "give a number of points or some")
@@ -149,9 +284,8 @@ def _listed(points: list[Any]) -> Tables:
     table: Tables = {"positions": [point["position"] for point in points]}
     given = [point["pressure"] for point in points if "pressure" in point]
     if given and len(given) < len(points):
-        raise stated(
-            "points:", f"{len(given)} of {len(points)} have a pressure", "give it to every point, or none"
-        )
+        cure = "give it to every point, or none"
+        raise stated("points:", f"{len(given)} of {len(points)} have a pressure", cure)
     if given:
         table["pressures"] = given
     if any("weight" in point for point in points):
@@ -176,7 +310,7 @@ def _scenes(tables: Tables, folder: Path) -> tuple[list[Base], list[Path]]:
         if isinstance(one, Scene):
             scene = one
         else:
-            files += scene_files(folder / one)
+            files += _midair.scene_files(folder / one)
             scene, name = Scene.load(folder / one), str(one)
         own = json.loads(scene.json())
         if "obstacles" in own:
@@ -237,9 +371,8 @@ def _fixed(points: Tables, shift: list[float]) -> dict[str, Any]:
         raise stated("points.positions", f"is {short(positions)}", "give a list of [x, y, z], in metres")
     for key in ("pressures", "weights"):
         if key in points and not _numbers(points[key], len(positions)):
-            raise stated(
-                f"points.{key}", f"is {short(points[key])}", f"give {len(positions)} numbers, one a point"
-            )
+            cure = f"give {len(positions)} numbers, one a point"
+            raise stated(f"points.{key}", f"is {short(points[key])}", cure)
     return {
         "count": len(positions),
         "points": [[x + dx for x, dx in zip(place, shift, strict=True)] for place in positions],
@@ -251,9 +384,8 @@ def _fixed(points: Tables, shift: list[float]) -> dict[str, Any]:
 def _random(points: Tables, shift: list[float]) -> dict[str, Any]:
     for key in _FIXED:
         if key in points:
-            raise stated(
-                f"points.{key}", "is given without positions", "it goes with fixed points", code="conflict"
-            )
+            cure = "it goes with fixed points"
+            raise stated(f"points.{key}", "is given without positions", cure, code="conflict")
     region = [[end + by for end in _range(points, key)] for key, by in zip("xyz", shift, strict=True)]
     count = whole(points.get("count"), "points.count", least=1)
     if count * POINT > memory_limit():

@@ -4,38 +4,24 @@ import json
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import product
 from os import PathLike
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
-from .._midair import (
-    Array,
-    Scene,
-    SceneError,
-    placed,
-    read_sweep,
-    restated,
-    solve,
-    solver_name,
-    solvers,
-    stated,
-    sweep_keys,
-)
+from .. import _midair
+from .._midair import Scene, SceneError, read_sweep, restated, solve, solver_name, solvers, stated, sweep_keys
 from .._support.arguments import path_of
 from .._support.output import METRICS
 from .._support.text import content
-from .axes import Tables, plain, read_axes, short
 from .block import Settings
-from .problems import few, known, read_sets, tables_of, whole
+from .problems import Tables, few, known, plain, read_axes, read_sets, short, tables_of, whole
 
 #: A sweep with more problems is rejected as a mistake.
 MOST = 10**9
 
 
-@dataclass(frozen=True)
-class Block:
+class Block(NamedTuple):
     """Problems that differ only in their trial; `columns` are the cells that their rows have in common."""
 
     settings: Settings
@@ -43,8 +29,7 @@ class Block:
     trials: int
 
 
-@dataclass(frozen=True)
-class Request:
+class Request(NamedTuple):
     """The blocks in order, the names of their common columns, and the files that were read."""
 
     blocks: Sequence[Block]
@@ -76,16 +61,15 @@ def read(source: str | PathLike[str] | Mapping[str, Any], *, drives: bool = Fals
     try:
         return _read(tables, path, drives)
     except SceneError as error:
-        raise (placed(text, str(path), error) or error) from error
+        raise (_midair.placed(text, str(path), error) or error) from error
 
 
 def _read(given: Mapping[str, Any], path: Path | None, drives: bool) -> Request:
     try:
         tables = plain(given)
     except RecursionError as error:
-        raise stated(
-            "the sweep", "is nested too deep, or holds itself", "give tables as a sweep file has them"
-        ) from error
+        cure = "give tables as a sweep file has them"
+        raise stated("the sweep", "is nested too deep, or holds itself", cure) from error
     known(tables, sweep_keys()[""], "sweep")
     seed = whole(tables.get("seed", 0), "seed")
     trials, seeds = _trials(tables.get("seeds", 1))
@@ -165,5 +149,5 @@ def _refuse(name: str, option: str, value: Any) -> NoReturn:
 def _check_method(name: str, options: Mapping[str, Any]) -> None:
     """Let the solver reject invalid options, on a tiny scene."""
     if not isinstance(options.get("order"), list):
-        array = Array.grid(2, 2, 0.01)
+        array = _midair.Array.grid(2, 2, 0.01)
         solve(Scene(array, [[0.0, 0.0, 0.1]]), name, **options)

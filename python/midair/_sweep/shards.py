@@ -1,15 +1,11 @@
 """Data sets: random scenes with their drives in Parquet files, every tenth scene held out."""
 
-from __future__ import annotations
-
 import json
 import math
-import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
-from importlib import import_module
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,13 +16,13 @@ from numpy.typing import NDArray
 from .._midair import Array, Scene, bound, judge, numbers, solvers, stated
 from .._support import output
 from .._support.arguments import callback, needs, path_of, refused, warn
-from .._support.cache import Arrays, locked, refusing
+from .._support.cache import Arrays, locked
 from .._support.output import METRICS
 from .block import array_and_medium, solve_block, trial_seed
 from .engine import Job, counted, go_on, pieces, run
 from .problems import whole
 from .request import Block, Request, read
-from .table import Shortfall
+from .table import Shortfall, temporary
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -110,9 +106,8 @@ class Dataset:
             starts = range(0, manifest["scenes"] // count, step)
             ends = [_end(number, start // step) for number in range(count) for start in starts]
         except (OSError, ValueError, LookupError, TypeError, ArithmeticError, RecursionError) as error:
-            raise stated(
-                f'"{self.folder / MANIFEST}"', "is damaged", "make the data set anew", code="unreadable"
-            ) from error
+            cure = "make the data set anew"
+            raise stated(f'"{self.folder / MANIFEST}"', "is damaged", cure, code="unreadable") from error
         return manifest, array, ends
 
     def files(self, split: str = "train") -> list[Path]:
@@ -251,7 +246,7 @@ def dataset(
     [(45, 400), (5, 400)]
     """
     with needs("a data set needs pyarrow", "sweep"):
-        import_module("pyarrow")
+        from pyarrow import parquet
     if threads is not None:
         whole(threads, "threads", least=1)
     callback(progress, "scenes done, scenes")
@@ -273,7 +268,9 @@ def dataset(
         seeds = np.array([trial_seed(job.settings, index) for index in range(job.start, job.stop)])
         out = np.arange(job.start, job.stop) % EVERY == EVERY - 1
         for split, rows in zip(SPLITS, (~out, out), strict=True):
-            _write(_file(place, split, job), _table({"trial": seeds} | arrays, rows, _identity(job)))
+            with temporary(_file(place, split, job)) as part:
+                found = _table({"trial": seeds} | arrays, rows, _identity(job))
+                parquet.write_table(found, part, compression="none", use_dictionary=False)
 
     with locked(place / ".lock"):
         missing = []
@@ -300,9 +297,8 @@ def solve_scenes(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
 
 def _blocks(requested: Request, bounds: bool) -> list[Block]:
     """Return the blocks of a request for a data set, with one seed for all scenes; rejects mixed ones."""
-    methods = {
-        json.dumps([block.settings["solver"], block.settings["options"]]) for block in requested.blocks
-    }
+    given = [block.settings for block in requested.blocks]
+    methods = {json.dumps([each["solver"], each["options"]]) for each in given}
     sizes = {block.columns["transducers"] for block in requested.blocks}
     if len(methods) > 1:
         raise stated("the data set", f"has {len(methods)} methods", "give one [solver] without lists")
@@ -354,12 +350,12 @@ def _claim(folder: Path, manifest: dict[str, Any]) -> None:
         if file.read_text(encoding="utf-8") != text:
             raise stated(f'"{folder}"', "holds another data set", "give its request again, or a new name")
         return
-    with refusing(folder):
+    with output.refusing(f'"{folder}"'):
         folder.mkdir(parents=True, exist_ok=True)
         output.write(folder / MANIFEST, text.encode())
 
 
-def _table(arrays: Arrays, rows: NDArray[np.bool_], identity: str) -> pa.Table:
+def _table(arrays: Arrays, rows: NDArray[np.bool_], identity: str) -> "pa.Table":
     """Return rows of arrays as a Parquet table: arrays as lists of fixed length, complex as (re, im)."""
     import pyarrow as pa
 
@@ -392,7 +388,7 @@ def _arrays(path: Path) -> tuple[dict[str, NDArray[Any]], str] | None:
         return None
 
 
-def _decoded(table: pa.Table) -> dict[str, NDArray[Any]]:
+def _decoded(table: "pa.Table") -> dict[str, NDArray[Any]]:
     """Return the arrays of a table that `_table` made."""
     arrays: dict[str, NDArray[Any]] = {}
     for name, column in zip(table.column_names, table.columns, strict=True):
@@ -414,15 +410,3 @@ def _digest(arrays: Arrays) -> str:
         digest.update(f"{name} {values.dtype.str} {values.shape} ".encode())
         digest.update(repr(values.tolist()).encode() if values.dtype == object else values.tobytes())
     return digest.hexdigest()
-
-
-def _write(path: Path, table: pa.Table) -> None:
-    from pyarrow import parquet
-
-    part = output.part_of(path)
-    try:
-        with refusing(path):
-            parquet.write_table(table, part, compression="none", use_dictionary=False)
-            os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)

@@ -14,7 +14,7 @@ import numpy as np
 
 from .._midair import stated
 from .._support import cache, output
-from .._support.cache import Arrays, refusing
+from .._support.cache import Arrays
 from .._support.output import METRICS
 from .block import trial_seed
 from .engine import Job
@@ -102,9 +102,8 @@ def check_drives(path: Path) -> None:
     check_replaceable(path)
     folder = output.real(path).parent
     if not folder.is_dir() or not os.access(folder, os.W_OK):
-        raise stated(
-            f'folder "{folder}"', "cannot be written", "make it first, or choose another", code="unwritable"
-        )
+        cure = "make it first, or choose another"
+        raise stated(f'folder "{folder}"', "cannot be written", cure, code="unwritable")
 
 
 def check_replaceable(path: Path) -> None:
@@ -120,9 +119,8 @@ def check_replaceable(path: Path) -> None:
     if not ours:
         raise stated(f'drives "{path}"', "is there and was made by no sweep", "choose another name")
     if strange:
-        raise stated(
-            f'drives "{path}"', f'holds "{min(strange)}", which no sweep made', "choose another name"
-        )
+        cure = "choose another name"
+        raise stated(f'drives "{path}"', f'holds "{min(strange)}", which no sweep made', cure)
 
 
 Columns = dict[str, list[Any]]
@@ -173,11 +171,11 @@ def fits(job: Job, arrays: Arrays) -> bool:
 
 
 @contextmanager
-def _temporary(path: Path) -> Iterator[Path]:
+def temporary(path: Path) -> Iterator[Path]:
     """Yield a temporary path, which replaces `path` if no error occurs."""
     part = output.part_of(path)
     try:
-        with refusing(path):
+        with output.refusing(f'"{path}"'):
             yield part
             if path.is_dir():
                 # Another program may have written there meanwhile.
@@ -194,7 +192,7 @@ def _temporary(path: Path) -> Iterator[Path]:
 def open_table(path: Path, request: Request) -> Iterator[Write]:
     """Open a table in the format of the path's ending; yields a function that takes columns of rows."""
     write = _parquet if path.suffix.lower() == ".parquet" else _csv
-    with _temporary(output.real(path)) as part, write(part, request) as give:
+    with temporary(output.real(path)) as part, write(part, request) as give:
         yield give
 
 
@@ -248,7 +246,7 @@ def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int]
     """
     import zarr
 
-    with _temporary(output.real(path)) as part:
+    with temporary(output.real(path)) as part:
         layout = _layout(request.blocks)
         group = zarr.open_group(part, mode="w", attributes=dict(MARK))
         arrays = {

@@ -4,28 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import _midair
 from .._judging.exposure import Exposure, exposure, limit_of
-from .._midair import (
-    Array,
-    Membrane,
-    Scene,
-    SceneError,
-    bound_of,
-    decibels,
-    hand,
-    restated,
-    solve_batch,
-    unknown_name,
-)
+from .._midair import Array, Scene, SceneError, bound_of, decibels, hand, restated, solve_batch, unknown_name
 from .._sequence import Sequence, sequence
-from .._sequence.arguments import time_constant
-from .._sequence.drives import lowered
+from .._sequence.drives import lowered, time_constant
 from .._support.arguments import frame_rate, number, refused, warn, without_warnings, word
 from .._support.text import Facts
 from ..path import Path
@@ -183,9 +172,8 @@ def haptic(
         raise TypeError(f"expected a midair.Array second, not {type(array).__qualname__}")
     frames = frame_rate(rate)
     if frames > FASTEST:
-        raise refused(
-            "rate", rate, f"give at most {FASTEST:g} frames per second, the time of the search grows with it"
-        )
+        cure = f"give at most {FASTEST:g} frames per second, the time of the search grows with it"
+        raise refused("rate", rate, cure)
     most = math.pi if change is None else bound_of(frames, change, None)
     if word("aim", aim) not in ("strong", "even"):
         raise refused("aim", aim, 'give "strong" or "even"')
@@ -207,40 +195,31 @@ def haptic(
 
 def _best(judge: _Judge, aim: str, most: float, ears: Mapping[str, Any] | None, limit: str | float) -> Haptic:
     """Return the best technique within a bound in rad per frame, and within the limit at the ears."""
-    standards = [(t.name, *judge.tried(t, most)) for t in usual(judge.curve, judge.rate)]
+    standards = [judge.tried(technique, most) for technique in usual(judge.curve, judge.rate)]
     if most < math.pi:
-        others = (moving(judge.curve, judge.rate, speed, 1) for speed in SPEEDS)
-        tried = [(t.name, *judge.tried(t, most)) for t in others]
+        tried = [judge.tried(moving(judge.curve, judge.rate, speed, 1), most) for speed in SPEEDS]
     else:
         tried = list(judge.climbed(aim))
 
     def score(motion: Skin | None) -> float:
         if motion is None:
             return -math.inf
-        along = judge.along(motion)
+        along = motion.along(judge.under)
         return float(along.mean() if aim == "strong" else along.min())
 
-    techniques = [_Judged(name, played, motion) for name, played, motion in [*tried, *standards]]
+    techniques = [*tried, *standards]
     if ears is not None:
         techniques = [judge.spared(one, ears, limit) for one in techniques]
     best = max(techniques, key=lambda one: score(one.skin))
     if best.skin is None:
         raise _too_loud(best, ears, limit)
-    along = judge.along(best.skin)
-    return Haptic(
-        best.played,
-        best.skin,
-        best.name,
-        aim,
-        decibels(along.mean()),
-        decibels(along.min()),
-        {one.name: decibels(max(score(one.skin), 0)) for one in techniques[len(tried) :]},
-        best.exposure,
-    )
+    along = best.skin.along(judge.under)
+    levels = decibels(along.mean()), decibels(along.min())
+    usually = {one.name: decibels(max(score(one.skin), 0)) for one in techniques[len(tried) :]}
+    return Haptic(best.played, best.skin, best.name, aim, *levels, usually, best.exposure)
 
 
-@dataclass(frozen=True)
-class _Judged:
+class _Judged(NamedTuple):
     """A technique, its frames and the skin's motion (None if the board cannot meet the limit at the ears)."""
 
     name: str
@@ -261,34 +240,6 @@ def _check(scene: Scene, ears: Mapping[str, Any] | None, limit: str | float) -> 
         raise restated(error, item=error.item.replace("places", "ears", 1)) from None
 
 
-def _spared(
-    played: Sequence, ears: Mapping[str, Any], limit: str | float
-) -> tuple[Sequence, Exposure] | None:
-    """Return frames that the board can play within the limit at the ears, and the levels there, or None."""
-    softer, levels, factor = played, exposure(played, ears, limit=limit), 1.0
-    steps = (played.quantization or {}).get("amplitudes")
-    for _ in range(LOWERINGS):
-        above = levels.worst.spl - levels.limit.spl
-        if above <= 0:
-            return softer, levels
-        factor *= 10 ** (-above / 20) * (1 - 1e-6)
-        amplitudes = np.abs(played.drives) * factor
-        parts = amplitudes if steps is None else lowered(amplitudes, steps)
-        if not parts.any():
-            return None
-        drives = played.drives * (parts / np.maximum(np.abs(played.drives), 1e-30)).astype(np.float32)
-        softer = Sequence(
-            played.array,
-            played.points,
-            played.targets * factor,
-            drives,
-            obstacles=played._scene.obstacles,
-            **played.setting(),
-        )
-        levels = exposure(softer, ears, limit=limit)
-    return None
-
-
 def _too_loud(judged: _Judged, ears: Mapping[str, Any] | None, limit: str | float) -> SceneError:
     """Return the error for a limit that no amplitude of the board meets."""
     levels, drives = judged.exposure, np.abs(judged.played.drives)
@@ -303,13 +254,19 @@ class _Judge:
     """Computes the strength of techniques along a curve, by a model of the skin."""
 
     def __init__(
-        self, array: Array, curve: Curve, rate: float, reach: float, membrane: Membrane, model: dict[str, Any]
+        self,
+        array: Array,
+        curve: Curve,
+        rate: float,
+        reach: float,
+        membrane: _midair.Membrane,
+        model: dict[str, Any],
     ) -> None:
         self._array, self.curve, self.rate, self._model = array, curve, rate, model
         self._plane = hand(curve.places, array, MARGIN, COARSE)
         #: The places of the curve, moved along the normal into the plane of the skin.
-        self._under = np.array(curve.places)
-        self._under[:, "xyz".index(self._plane.axis)] = self._plane.at
+        self.under = np.array(curve.places)
+        self.under[:, "xyz".index(self._plane.axis)] = self._plane.at
         frames = max(round(rate / LAPS), 4)
         self.foci = Foci.beside(array, curve.places, self._plane, reach, membrane, rate, frames)
 
@@ -317,20 +274,34 @@ class _Judge:
         return skin(played, self._plane, **self._model)
 
     def spared(self, judged: _Judged, ears: Mapping[str, Any], limit: str | float) -> _Judged:
-        """Return a technique at a level within the limit at the ears."""
-        softer = _spared(judged.played, ears, limit)
-        if softer is None:
-            return replace(judged, skin=None, exposure=exposure(judged.played, ears, limit=limit))
-        played, levels = softer
-        return replace(
-            judged,
-            played=played,
-            skin=judged.skin if played is judged.played else self.skin(played),
-            exposure=levels,
-        )
+        """Return a technique at a level within the limit at the ears, as far as the board can play it."""
+        played = judged.played
+        softer, levels, factor = played, exposure(played, ears, limit=limit), 1.0
+        loud, steps = levels, (played.quantization or {}).get("amplitudes")
+        for _ in range(LOWERINGS):
+            above = levels.worst.spl - levels.limit.spl
+            if above <= 0:
+                motion = judged.skin if softer is played else self.skin(softer)
+                return judged._replace(played=softer, skin=motion, exposure=levels)
+            factor *= 10 ** (-above / 20) * (1 - 1e-6)
+            amplitudes = np.abs(played.drives) * factor
+            parts = amplitudes if steps is None else lowered(amplitudes, steps)
+            if not parts.any():
+                break
+            drives = played.drives * (parts / np.maximum(np.abs(played.drives), 1e-30)).astype(np.float32)
+            points, targets, setting = played.points, played.targets * factor, played.setting()
+            obstacles = played._scene.obstacles
+            softer = Sequence(played.array, points, targets, drives, obstacles=obstacles, **setting)
+            levels = exposure(softer, ears, limit=limit)
+        return judged._replace(skin=None, exposure=loud)
 
-    def along(self, motion: Skin) -> NDArray[np.float64]:
-        return motion.along(self._under)
+    def _judged(
+        self, name: str, points: NDArray[np.float64], levels: NDArray[np.float64], drives: NDArray[Any]
+    ) -> _Judged:
+        """Return a technique of these frames, with the motion of the skin."""
+        own: dict[str, Any] = {"rate": self.rate, "closed": True, "solver": "haptic"}
+        played = Sequence(self._array, points, levels, drives, **own)
+        return _Judged(name, played, self.skin(played))
 
     def starts(self) -> Iterator[NDArray[np.int64]]:
         """Yield initial schedules: the focus jumps within a piece of the curve, and the piece moves on."""
@@ -339,32 +310,21 @@ class _Judge:
             part = min(piece / curve.length, 0.5)
             lap = t / len(t) if curve.closed else (1 - part) * np.abs(1 - 2 * t / len(t))
             period = t * (min(frequency, self.rate / 2) / self.rate) % 1
-            yield curve.index(lap + part * np.floor(period * jumps) / jumps)
+            yield curve.indices(lap + part * np.floor(period * jumps) / jumps)
 
-    def climbed(self, aim: str) -> Iterator[tuple[str, Sequence, Skin]]:
-        """Yield (name, sequence, skin) after the ascent from each initial schedule."""
+    def climbed(self, aim: str) -> Iterator[_Judged]:
+        """Yield the technique after the ascent from each initial schedule."""
         for start in self.starts():
-            chosen = self.foci.climb(start, aim)
+            foci, chosen = self.foci, self.foci.climb(start, aim)
             on = (chosen >= 0)[:, None]
-            played = Sequence(
-                self._array,
-                self.foci.places[chosen][:, None],
-                self.foci.levels[chosen][:, None] * on,
-                self.foci.drives[chosen] * on,
-                rate=self.rate,
-                closed=True,
-                solver="haptic",
-            )
             count = len(np.unique(chosen[chosen >= 0]))
-            yield (
-                f"schedule of {count} foci, {self.rate / len(chosen):.3g} laps/s",
-                played,
-                self.skin(played),
-            )
+            name = f"schedule of {count} foci, {self.rate / len(chosen):.3g} laps/s"
+            levels = foci.levels[chosen][:, None] * on
+            yield self._judged(name, foci.places[chosen][:, None], levels, foci.drives[chosen] * on)
 
-    def tried(self, technique: Technique, change: float) -> tuple[Sequence, Skin]:
-        """Return the technique's frames, solved within the bound, and the motion of the skin."""
-        index = self.curve.index(technique.ways)
+    def tried(self, technique: Technique, change: float) -> _Judged:
+        """Return the technique with its frames, solved within the bound."""
+        index = self.curve.indices(technique.ways)
         points = self.curve.places[index]
         if change < math.pi:
             drives = sequence(self._array, points, rate=self.rate, change=change).drives
@@ -374,16 +334,8 @@ class _Judge:
             sets, which = np.unique(index, axis=0, return_inverse=True)
             drives = solve_batch(self._array, self.curve.places[sets], solver="fast").drives[which.ravel()]
         amplitudes = self._on_board(technique.amplitudes)[:, None]
-        played = Sequence(
-            self._array,
-            points,
-            self.foci.levels[index] * amplitudes / math.sqrt(index.shape[1]),
-            drives * amplitudes.astype(np.float32),
-            rate=self.rate,
-            closed=True,
-            solver="haptic",
-        )
-        return played, self.skin(played)
+        levels = self.foci.levels[index] * amplitudes / math.sqrt(index.shape[1])
+        return self._judged(technique.name, points, levels, drives * amplitudes.astype(np.float32))
 
     def _on_board(self, amplitudes: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the board's amplitudes, or 0, that are nearest to the given ones."""

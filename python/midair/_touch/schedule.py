@@ -9,25 +9,13 @@ slow tactile channel the strength is s = sum_x u_x |D_x|. It is never below its 
 so choosing the focus with the largest tangent in each frame never reduces it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import (
-    HIGHEST,
-    Array,
-    Membrane,
-    Plane,
-    Scene,
-    SceneError,
-    restated,
-    solve_batch,
-    threshold,
-)
+from .._midair import HIGHEST, Array, Membrane, Plane, Scene, SceneError, restated, solve_batch, threshold
 from .._pictures.panel import squares
 from .._support.arguments import flag, refused, vectors, warn, without_warnings
 from ..path import Path
@@ -55,8 +43,7 @@ ROUNDS, IDLE = 120, {"strong": 1, "even": 30}
 LEVELLING = 0.3
 
 
-@dataclass(frozen=True, eq=False)
-class Foci:
+class Foci(NamedTuple):
     """Single foci from which a schedule is chosen, and the skin's response to them.
 
     Attributes
@@ -88,7 +75,7 @@ class Foci:
         membrane: Membrane,
         rate: float,
         frames: int,
-    ) -> Foci:
+    ) -> "Foci":
         """Return foci at the places of a curve (P, 3), followed by others in its plane within `reach` m."""
         around = _around(curve, plane, reach)
         if len(around):
@@ -173,8 +160,7 @@ def _around(curve: NDArray[np.float64], plane: Plane, reach: float) -> NDArray[n
         apart *= 1.2
 
 
-@dataclass(frozen=True)
-class Technique:
+class Technique(NamedTuple):
     """Positions of the foci along a shape in each frame.
 
     Attributes
@@ -192,8 +178,7 @@ class Technique:
     amplitudes: NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Curve:
+class Curve(NamedTuple):
     """Places (P, 3) in m at equal distances along a shape, its length in m, and whether it is closed.
 
     `given` has the places (K, 3) that a caller gave; none for a path.
@@ -205,7 +190,7 @@ class Curve:
     closed: bool
 
     @classmethod
-    def of(cls, shape: Path | ArrayLike, closed: bool) -> Curve:
+    def of(cls, shape: Path | ArrayLike, closed: bool) -> "Curve":
         loops, given = flag("closed", closed), np.empty((0, 3))
         if isinstance(shape, Path):
             if shape.points != 1:
@@ -246,8 +231,8 @@ class Curve:
             warn(far)
         return scene
 
-    def index(self, ways: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Return the index of the place at a fraction of the length. An open curve is run back and forth."""
+    def indices(self, ways: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Return indices of the places at fractions of the length. An open curve is run back and forth."""
         count = len(self.places)
         if self.closed:
             return np.rint(ways * count).astype(np.int64) % count

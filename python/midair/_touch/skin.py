@@ -5,39 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import (
-    HIGHEST,
-    REACH,
-    SKIN,
-    Membrane,
-    Mesh,
-    Plane,
-    Shifted,
-    decibels,
-    excess,
-    felt_width,
-    hand as hand_through,
-    live_lines,
-    strength,
-)
-from .._pictures.colours import MAPS
+from .. import _midair
+from .._midair import HIGHEST, REACH, Membrane, Mesh, Plane, decibels, excess, hand as hand_through, strength
+from .._pictures.colours import MAPS, Axes, Figure, Map, Size
 from .._pictures.panel import squares
-from .._sequence import Sequence, arguments
-from .._sequence.felt import threshold
+from .._sequence import Sequence
+from .._sequence.felt import places_of, threshold
 from .._support.arguments import needs, number, refused, vector, warn
 from .._support.text import Facts
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from .._pictures.colours import Map
-    from .._pictures.figures import Size
 
 #: Mode of SuperLU for symmetric matrices, with pivots on the diagonal.
 SYMMETRIC = {"SymmetricMode": True}
@@ -49,7 +29,7 @@ WIDEST = 0.02
 SPEED: float
 LOSS: float
 MASS: float
-SPEED, LOSS, MASS = SKIN
+SPEED, LOSS, MASS = _midair.SKIN
 
 
 def model_of(
@@ -115,13 +95,12 @@ class Triangles:
         self.shares = np.bincount(faces.ravel(), np.repeat(self._areas / 3, 3), count)
         # This matrix is positive definite and has the pattern of the matrices of all frequencies, so its
         # order of corners suits all of them.
-        first = splu(
-            (self.stiffness + diags_array(self.shares)).tocsc(), "MMD_AT_PLUS_A", 0, options=SYMMETRIC
-        )
+        whole = (self.stiffness + diags_array(self.shares)).tocsc()
+        first = splu(whole, "MMD_AT_PLUS_A", 0, options=SYMMETRIC)
         self.order = order = np.argsort(first.perm_c)
         ordered = self.stiffness[order][:, order].tocsc()
         ordered.sort_indices()
-        self.systems = Shifted(ordered.indptr, ordered.indices, ordered.data, self.shares[order])
+        self.systems = _midair.Shifted(ordered.indptr, ordered.indices, ordered.data, self.shares[order])
         outward = np.zeros((count, 3))
         np.add.at(outward, faces, cross[:, None])
         self.normals = outward / np.linalg.norm(outward, axis=1, keepdims=True)
@@ -224,7 +203,7 @@ def skin(
         frequencies, mean, pushed = sequence._push_lines(places[near], tau)
         pressure = np.zeros(len(places), np.float32)
         pressure[near] = mean * shares
-        live = live_lines(pushed * shares)
+        live = _midair.live_lines(pushed * shares)
         lines = np.zeros((int(live.sum()), len(places)), np.complex64)
         lines[:, near] = pushed[live] * shares
         displacement = np.zeros((len(frequencies), len(places)), np.complex64)
@@ -334,7 +313,7 @@ class Skin(Facts):
         SceneError
             For wrong places, and for those that are not on the skin.
         """
-        return self.strength[[self._nearest(place) for place in arguments.places(places)]]
+        return self.strength[[self._nearest(place) for place in places_of(places)]]
 
     def width(self, place: ArrayLike | None = None) -> float:
         """Return the felt width: twice the distance to the nearest place with less than half the strength.
@@ -394,7 +373,8 @@ class Skin(Facts):
         SceneError
             For wrong times.
         """
-        turned = np.exp(2j * np.pi * np.outer(arguments.instants(times), self.frequencies))
+        instants = _midair.numbers("times", times, [(-1,), (0,)], "give a list of finite times in s")
+        turned = np.exp(2j * np.pi * np.outer(instants, self.frequencies))
         moved: NDArray[np.float32] = (turned.astype(np.complex64) @ self.displacement).real
         return moved
 
@@ -461,7 +441,7 @@ class Skin(Facts):
 
     def _width(self, values: NDArray[np.float64], place: ArrayLike | None) -> float:
         middle = int(values.argmax()) if place is None else self._nearest(place)
-        return felt_width(values, self.places, middle)
+        return _midair.felt_width(values, self.places, middle)
 
     def _rows(self) -> list[tuple[str, str]]:
         best = int(self.strength.argmax())

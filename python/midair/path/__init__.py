@@ -18,25 +18,11 @@ Path(points=3, duration=0.02, closed=True)
 from .._midair import Path
 from .._support import slips as _slips
 from ._frames import from_array, read
-from ._gcode import gcode
+from ._gcode import gcode, lcode
 from ._kinds import circle, line, lissajous, morph, polyline, still, svg
-from ._lcode import lcode
 from ._optimal import fastest
 
-__all__ = [
-    "Path",
-    "circle",
-    "fastest",
-    "from_array",
-    "gcode",
-    "lcode",
-    "line",
-    "lissajous",
-    "morph",
-    "polyline",
-    "read",
-    "still",
-    "svg",
-]
+__all__ = ["Path", "circle", "fastest", "from_array", "gcode", "lcode", "line", "lissajous"]
+__all__ += ["morph", "polyline", "read", "still", "svg"]
 
 _slips.attach(__name__)

@@ -54,9 +54,8 @@ def read(path: Path | ArrayLike, rate: float, pressures: ArrayLike | None = None
     if isinstance(path, Path):
         points, targets = path.frames(rate)
         if pressures is not None and path.pascals:
-            raise stated(
-                "pressures", "are given with the path, too", "give them in one place", code="conflict"
-            )
+            cure = "give them in one place"
+            raise stated("pressures", "are given with the path, too", cure, code="conflict")
         if pressures is not None:
             targets = targets * changing_pressures(pressures, *targets.shape)
         plain = pressures is None and not path.pascals and bool((targets == 1).all())
@@ -104,16 +103,11 @@ def from_array(
     return Path._through(frames, frame_rate(rate), flag("closed", closed), pressures)
 
 
-def changing_pressures(value: ArrayLike | None, frames: int, points: int) -> Numbers:
-    """Return targets (T, M) in Pa: one value for all, per point, or per frame and point; 1 if None."""
-    return np.ones((frames, points)) if value is None else _pressures(value, (frames, points))
-
-
-def _pressures(value: ArrayLike, shape: tuple[int, ...]) -> Numbers:
-    sizes = [shape[k:] for k in range(len(shape))]
-    forms = ["one number", *(" x ".join(map(str, size)) for size in reversed(sizes))]
-    cure = f"give numbers of at least 0 in Pa: {' or '.join(forms)}"
-    return np.broadcast_to(numbers("pressures", value, [(), *sizes], cure, least=0), shape)
+def changing_pressures(value: ArrayLike, frames: int, points: int) -> Numbers:
+    """Return targets (T, M) in Pa: one value for all, per point, or per frame and point."""
+    cure = f"give numbers of at least 0 in Pa: one number or {points} or {frames} x {points}"
+    shapes = [(), (frames, points), (points,)]
+    return np.broadcast_to(numbers("pressures", value, shapes, cure, least=0), (frames, points))
 
 
 def point_sets(item: str, value: Any) -> Numbers:

@@ -110,7 +110,7 @@ def fastest(
         raise refused("array", array, "give a midair.Array or a midair.Scene")
     top = TOP if speed is None else min(number("speed", speed, above=0), TOP)
     loop = flag("closed", closed)
-    curve = _smooth(_places(points), loop)
+    curve = _smooth(vectors("points", points, least=4), loop)
     traps = _traps(scene, curve)
     speeds = _speeds(scene, curve, traps, (share, top), loop)
     places = curve.at(_timed(curve.step, speeds, loop, share), loop)
@@ -150,11 +150,6 @@ class _Curve(NamedTuple):
             out + t * (3 * (end - start) - 2 * out - into + t * (2 * (start - end) + out + into))
         )
         return found
-
-
-def _places(given: ArrayLike) -> Numbers:
-    """Return at least 4 places (K, 3) in m, each apart from the next."""
-    return vectors("points", given, least=4)
 
 
 def _smooth(points: Numbers, loop: bool) -> _Curve:
@@ -239,9 +234,8 @@ def _traps(scene: Scene, curve: _Curve) -> _Traps:
         trap = rest(one, solve(one))
         if not trap.held[0]:
             where = ", ".join(f"{1e3 * x:.1f}" for x in place)
-            raise stated(
-                "no trap", f"holds the bead at ({where}) mm", "move the curve to where traps are strong"
-            )
+            cure = "move the curve to where traps are strong"
+            raise stated("no trap", f"holds the bead at ({where}) mm", cure)
         found.append((trap.axes[0], trap.restoring[0].min(axis=1)))
     axes, most = (np.array(part) for part in zip(*found, strict=True))
     nearest = np.abs(np.arange(last + 1)[:, None] - looked).argmin(axis=1)
@@ -328,5 +322,4 @@ def _timed(step: float, squares: Numbers, loop: bool, margin: float) -> Numbers:
     if loop:
         ways = ways + length * np.floor(ticks / lap)
     window = np.full(2 * side + 1, 1 / (2 * side + 1))
-    once: Numbers = np.convolve(ways, np.convolve(window, window), "valid")
-    return once
+    return np.convolve(ways, np.convolve(window, window), "valid")

@@ -26,15 +26,8 @@ MOST_STYLE = 16_000
 LONG, PASSED = ("d", "points"), ("href", "{http://www.w3.org/1999/xlink}href")
 
 #: Shapes and their classes in svgelements.
-SHAPES = {
-    "path": "Path",
-    "rect": "Rect",
-    "circle": "Circle",
-    "ellipse": "Ellipse",
-    "line": "SimpleLine",
-    "polyline": "Polyline",
-    "polygon": "Polygon",
-}
+SHAPES = {name: name.title() for name in ("path", "rect", "circle", "ellipse", "polyline", "polygon")}
+SHAPES |= {"line": "SimpleLine"}
 
 #: Lengths of shapes; percentages are of the width (0), the height (1) or the diagonal (2) of the viewport.
 LENGTHS = dict.fromkeys(("x", "width", "cx", "rx", "x1", "x2"), 0)
@@ -57,9 +50,7 @@ NOTHING = re.compile(r"(?=[0.])0*\.?0*(px|%)?")
 AT_RULE = re.compile(r"@[^{};]*(;|\{([^{}]*\{[^{}]*\})*[^{}]*\})")
 
 #: Functions of a transform that are read; lengths in them.
-FUNCTIONS = {"matrix", "rotate"} | {
-    f"{name}{axis}" for name in ("translate", "scale") for axis in ("", "x", "y")
-}
+FUNCTIONS = {"matrix", "rotate", "translate", "translatex", "translatey", "scale", "scalex", "scaley"}
 FUNCTIONS |= {"skewx", "skewy"}
 LENGTH = re.compile(r"[-+.\de]+(px|mm|cm|in|pt|pc|q)\b", re.IGNORECASE)
 

@@ -17,7 +17,7 @@ const root = join(import.meta.dirname, "../../..");
 const PROGRAM = `
 import contextlib, threading, time
 import numpy as np, midair
-from midair._studio.page import greeting, scene_text
+from midair._studio.view import greeting, scene_text
 from midair._studio.server import HOLD, PagesBoard, Server
 with contextlib.suppress(KeyboardInterrupt), midair.connect("sonicsurface:null", hold=HOLD) as surface:
     scene = scene_text(greeting(surface.board.array))

@@ -1,14 +1,69 @@
-"""The scene of a command: from a file, from standard input, or from a preset and points."""
+"""What commands are given: common keywords, those of a function of the library, the scene, and outputs."""
 
 import math
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import wraps
+from inspect import Parameter as Argument, signature, unwrap
 from pathlib import Path
+from typing import Annotated, Any, TypeVar, cast, get_type_hints
+
+from cyclopts import Parameter
+from docstring_parser import parse
 
 from .. import Array, Scene
 from .._midair import scene_files, stated
 from .._support import output
 from .._support.arguments import refused
+
+Command = TypeVar("Command", bound=Callable[..., int])
+
+Json = Annotated[
+    bool, Parameter(negative=(), help="Print one JSON document instead of the table.", show_default=False)
+]
+OutputFile = Annotated[Path | None, Parameter(name=["--output", "-o"])]
+#: Numbers with commas, which may begin with a minus.
+Numbers = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
+#: An option that may be given several times, each time with numbers.
+Places = Annotated[list[str] | None, Parameter(allow_leading_hyphen=True, negative=())]
+SceneName = Annotated[Path, Parameter(help="Scene file, TOML or JSON, or - for standard input.")]
+SolverName = Annotated[
+    str | None, Parameter(help="Name of the solver; by default the scene file's, else uniform.")
+]
+
+
+def of(function: Callable[..., Any], names: str) -> Callable[[Command], Command]:
+    """Give a command some keywords of a library's function, with its types, defaults and explanations.
+
+    The command takes them as its last argument, `**keywords`. In its help they come before its own keywords.
+    """
+    taken, hints = signature(function).parameters, get_type_hints(unwrap(function))
+    explained = {
+        name: entry.description
+        for entry in parse(function.__doc__ or "").params
+        for name in entry.arg_name.split(", ")
+    }
+
+    def give(command: Command) -> Command:
+        @wraps(command)
+        def full(*arguments: Any, **keywords: Any) -> int:
+            # The parser passes only what was typed.
+            return command(*arguments, **{name: taken[name].default for name in names.split()} | keywords)
+
+        own = [
+            each for each in signature(command).parameters.values() if each.kind is not Argument.VAR_KEYWORD
+        ]
+        places = [each for each in own if each.kind is not Argument.KEYWORD_ONLY]
+        given = [
+            taken[name].replace(annotation=Annotated[hints[name], Parameter(help=explained[name])])
+            for name in names.split()
+        ]
+        parameters = [*places, *given, *own[len(places) :]]
+        cast(Any, full).__signature__ = signature(command).replace(parameters=parameters)
+        return cast(Command, full)
+
+    return give
+
 
 #: File name that means standard input or output.
 STANDARD = Path("-")
@@ -43,22 +98,18 @@ class SceneFile:
             check_outputs(*outputs, taken=scene_files(self.path, self._text))
 
 
-def typed_scene(
-    preset: str | None, tiles: str | None, at: Sequence[str] | None, pressure: str | None
-) -> Scene:
+def typed(preset: str | None, tiles: str | None, at: Sequence[str] | None, pressure: str | None) -> Scene:
     """Return a scene without a file: an array by its preset, and points one by one."""
     example = "--preset autd3 --at 0,0,0.15"
     if preset is None and not at:
-        raise stated(
-            "scene", "is left out", f"give a scene file (midair new writes one), or {example}", code="missing"
-        )
+        cure = f"give a scene file (midair new writes one), or {example}"
+        raise stated("scene", "is left out", cure, code="missing")
     if preset is None:
         cure = f"say which array, as in {example}; midair presets lists them"
         raise stated("--preset", "is left out", cure, code="missing")
     if not at:
-        raise stated(
-            "--at", "is left out", f"give the points, as in {example} --at 0.02,0,0.15", code="missing"
-        )
+        cure = f"give the points, as in {example} --at 0.02,0,0.15"
+        raise stated("--at", "is left out", cure, code="missing")
     points = [numbers("--at", point, 3, "three numbers in m, such as --at 0,0,0.15") for point in at]
     pressures = None
     if pressure is not None:
