@@ -145,10 +145,8 @@ def main(names: list[str]) -> None:
     if not names:
         before, rest = PAGE.read_text("utf-8").split("<!-- ablation:begin -->")
         after = rest.split("<!-- ablation:end -->")[1]
-        PAGE.write_text(
-            "\n".join([f"{before}<!-- ablation:begin -->", *lines, f"<!-- ablation:end -->{after}"]),
-            encoding="utf-8",
-        )
+        page = [f"{before}<!-- ablation:begin -->", *lines, f"<!-- ablation:end -->{after}"]
+        PAGE.write_text("\n".join(page), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -78,11 +78,9 @@ def streaming() -> None:
     head("quiet points", "weight of each", "force left", "level left", "uniformity")
     for count in (60, 240):
         for weight in (0.003, 0.01, 0.03):
-            quiet = scene.replace(
-                points=np.r_[FOCI, behind(count, 1)],
-                pressures=np.r_[level, np.zeros(count)],
-                weights=np.r_[np.ones(4), np.full(count, weight)],
-            )
+            weights = np.r_[np.ones(4), np.full(count, weight)]
+            points, pressures = np.r_[FOCI, behind(count, 1)], np.r_[level, np.zeros(count)]
+            quiet = scene.replace(points=points, pressures=pressures, weights=weights)
             found = midair.solve(quiet, "lm")
             force = midair.streaming(scene, found, places).force.mean() / whole
             made = np.abs(found.pressures[:4])

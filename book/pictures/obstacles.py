@@ -53,12 +53,8 @@ def wall() -> None:
     array = midair.Array.grid(9, 16, 10e-3)
     points = np.array([[x, 0, 0.15] for x in (-0.03, -0.01, 0.01, 0.03)])
     scene = midair.Scene(array, points)
-    scenes = {
-        "wall ignored: mean Pa, min/max": scene,
-        "wall in the scene: mean Pa, min/max": scene.replace(
-            obstacles=[midair.Wall([SIDE, 0, 0], [-1, 0, 0])]
-        ),
-    }
+    walled = scene.replace(obstacles=[midair.Wall([SIDE, 0, 0], [-1, 0, 0])])
+    scenes = {"wall ignored: mean Pa, min/max": scene, "wall in the scene: mean Pa, min/max": walled}
     images = array.positions * [-1, 1, 1] + [2 * SIDE, 0, 0]
     truth = oracle.propagation(array.positions, points) + oracle.propagation(images, points)
     plane = midair.Plane(axis="y", at=0, size=0.12, pixels=240, center=(0, 0.12))

@@ -15,14 +15,8 @@ from .progress import progress_bar
 from .tables import best_of, print_columns, print_line, print_written, write_image
 
 #: Metrics of a sequence and their number formats.
-COLUMNS = {
-    "level": "{:.4f}",
-    "uniformity": "{:.4f}",
-    "largest_change": "{:.4f}",
-    "seam": "{:.4f}",
-    "dip": "{:.3f}",
-    "noise": "{:.1f}",
-}
+COLUMNS = dict.fromkeys(("level", "uniformity", "largest_change", "seam"), "{:.4f}")
+COLUMNS |= {"dip": "{:.3f}", "noise": "{:.1f}"}
 
 
 def motion_command(

@@ -60,11 +60,8 @@ def limit_of(scene: Scene, requested: Any) -> Limit:
         raise refused("limit", requested, f"give {', '.join(LIMITS)}, or a level in dB")
     low, high = found.band
     if not low <= scene.frequency <= high:
-        raise stated(
-            f'limit "{found.name}"',
-            f"is for {low / 1e3:g} to {high / 1e3:g} kHz, not {scene.frequency / 1e3:g} kHz",
-            "give a level in dB that is meant for it",
-        )
+        reported = f"is for {low / 1e3:g} to {high / 1e3:g} kHz, not {scene.frequency / 1e3:g} kHz"
+        raise stated(f'limit "{found.name}"', reported, "give a level in dB that is meant for it")
     return found
 
 
@@ -349,11 +346,9 @@ def _keep_off(scene: Scene, name: str, low: Points, high: Points) -> None:
     least = scene.wavelength if box else scene.wavelength / 100
     if away[nearest] < least:
         kind, apart = ("a box ", "a wavelength") if box else ("", "a hundredth of a wavelength")
-        raise stated(
-            f'places["{name}"]',
-            f"is {kind}{1e3 * away[nearest]:.2g} mm from transducer {nearest}",
-            f"give one at least {apart} away, {1e3 * least:.2g} mm",
-        )
+        reported = f"is {kind}{1e3 * away[nearest]:.2g} mm from transducer {nearest}"
+        cure = f"give one at least {apart} away, {1e3 * least:.2g} mm"
+        raise stated(f'places["{name}"]', reported, cure)
 
 
 def _of_one(scene: Scene, drive: ArrayLike | Solution) -> Blocks:

@@ -252,11 +252,10 @@ def calibrate(
     if spread is not None and spread > MOST_PRIOR:
         raise refused("prior", prior, f"give at most {MOST_PRIOR}, or leave it out to have it learnt")
     second = indices_of(second_board, len(array))
-    priors = Priors(
-        number("sound_speed_error", sound_speed_error, least=0),
-        None if microphones_error is None else number("microphones_error", microphones_error, least=0),
-        _pose(pose_error),
-    )
+    speed_error = number("sound_speed_error", sound_speed_error, least=0)
+    if microphones_error is not None:
+        microphones_error = number("microphones_error", microphones_error, least=0)
+    priors = Priors(speed_error, microphones_error, _pose(pose_error))
     model = Model(scene, places, second, priors, np.iscomplexobj(received))
     _room(len(array), len(model.free), received.size)
     own = np.ones(len(array)) if array.response is None else np.abs(array.response)

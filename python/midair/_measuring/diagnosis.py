@@ -101,12 +101,8 @@ def diagnose(
     turned, expected = delays / np.abs(delays), order
     for _ in range(ROUNDS):
         # Each channel keeps its delay and response and gets the position of its transducer.
-        array = changed(
-            scene.array,
-            positions=scene.array.positions[order],
-            normals=scene.array.normals[order],
-            response=own * turned[boards],
-        )
+        places = {name: getattr(scene.array, name)[order] for name in ("positions", "normals")}
+        array = changed(scene.array, **places, response=own * turned[boards])
         with without_warnings():
             # The diagnosis itself reports the problems that the calibration would warn of.
             found = calibrate(

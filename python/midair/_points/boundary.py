@@ -67,11 +67,8 @@ def sound(boundary: Boundary) -> NDArray[np.complex64]:
     solved = np.ascontiguousarray(solved)
     if (left := boundary.left_inside(solved)) > LEFT:
         cure = "mend the surface, give finer faces, or leave out thin parts"
-        raise stated(
-            "obstacles",
-            f"is a mesh of {elements} elements that lets {left:.0%} of the sound into its inside",
-            cure,
-        )
+        reported = f"is a mesh of {elements} elements that lets {left:.0%} of the sound into its inside"
+        raise stated("obstacles", reported, cure)
     store(boundary.content(), solved)
     return solved
 

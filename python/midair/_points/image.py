@@ -144,12 +144,9 @@ def _brightness(path: str | PathLike[str], pixels: int) -> NDArray[np.float64]:
             longer = max(opened.size)
             needed, most = opened.width * opened.height * EACH, memory_limit()
             if needed > most:
-                raise refused(
-                    "path",
-                    file,
-                    f"{opened.width} x {opened.height} pixels need {needed / 1e6:.0f} MB of {most / 1e6:.0f}"
-                    " allowed, make it smaller",
-                )
+                memory = f"{needed / 1e6:.0f} MB of {most / 1e6:.0f} allowed"
+                cure = f"{opened.width} x {opened.height} pixels need {memory}, make it smaller"
+                raise refused("path", file, cure)
             few = [max(round(side * pixels / longer), 1) for side in opened.size]
             if few[0] * few[1] > MOST_POINTS:
                 raise refused("pixels", pixels, f"more than {MOST_POINTS} points, give fewer")

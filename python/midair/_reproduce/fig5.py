@@ -172,11 +172,9 @@ def linear(rows: tables.Rows, x: str, method: str) -> Verdict:
     slopes = f"{row['slope']:.2f} ± {row['slope_error']:.2f}"
     if row["from"]:
         slopes += f"; {row['slope_large']:.2f} ± {row['slope_large_error']:.2f} from {row['from']} on"
-    return Verdict(
-        f"{'greedy' if method == 'greedy' else 'greedy by plain brute force'} is linear in {x}",
-        outcome(abs(row["slope_large"] - 1) <= LINEAR),
-        f"log-log slope {slopes}",
-    )
+    name, verdict = "greedy", outcome(abs(row["slope_large"] - 1) <= LINEAR)
+    name = name if method == name else "greedy by plain brute force"
+    return Verdict(f"{name} is linear in {x}", verdict, f"log-log slope {slopes}")
 
 
 def judge_transducers(rows: tables.Rows) -> list[Verdict]:

@@ -158,12 +158,8 @@ def _assemble(target: Path, pieces: Pieces, moving: Moving, block: int) -> None:
             for first in range(0, shape[0], block):
                 piece = pieces.load(first)
                 if piece is None:
-                    raise stated(
-                        "a piece",
-                        f'of "{target}{ENDING}" was damaged meanwhile',
-                        "run this again",
-                        code="unreadable",
-                    )
+                    reported = f'of "{target}{ENDING}" was damaged meanwhile'
+                    raise stated("a piece", reported, "run this again", code="unreadable")
                 if first == 0:
                     descr = npy.dtype_to_descr(piece[0].dtype)
                     header = {"descr": descr, "fortran_order": False, "shape": shape}

@@ -32,12 +32,8 @@ GRADUAL = {"circle": BRUSHES["circle"], "line": BRUSHES["line"], "lissajous": ("
 #: Laps per second of a brush that gives no frequency.
 STM = 100.0
 
-OPERATORS = {
-    "add": operator.add,
-    "subtract": operator.sub,
-    "multiply": operator.mul,
-    "divide": operator.truediv,
-}
+OPERATORS = {"add": operator.add, "subtract": operator.sub}
+OPERATORS |= {"multiply": operator.mul, "divide": operator.truediv}
 CONDITIONS = {"lt": operator.lt, "lt_eq": operator.le, "gt": operator.gt, "gt_eq": operator.ge}
 
 Lookup = Callable[[str], float]

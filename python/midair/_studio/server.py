@@ -82,11 +82,9 @@ class PagesBoard:
         a drive of another array, BoardError if the board is gone.
         """
         if content and len(content) != self.most:
-            raise stated(
-                "drive",
-                f"has {len(content) / 8:g} transducers, {self.connection.board.name} has {self.most // 8}",
-                "choose the array that midair studio began with",
-            )
+            board, cure = self.connection.board.name, "choose the array that midair studio began with"
+            reported = f"has {len(content) / 8:g} transducers, {board} has {self.most // 8}"
+            raise stated("drive", reported, cure)
         with self._lock:
             if not at > self._last:
                 return

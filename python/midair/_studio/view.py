@@ -126,11 +126,8 @@ class View:
     def __init__(self, text: str, folder: Path = BUILT) -> None:
         with needs("view needs anywidget", "notebook"):
             from .widget import Widget
-        self._widget = Widget(
-            _esm=file("widget.mjs", folder).read_text(encoding="utf-8"),
-            wasm=file("midair.wasm", folder).read_bytes(),
-            scene=text,
-        )
+        page = file("widget.mjs", folder).read_text(encoding="utf-8")
+        self._widget = Widget(_esm=page, wasm=file("midair.wasm", folder).read_bytes(), scene=text)
         #: The newest scene as text: the one that Python has set, or the one that the page has reported.
         self._text = text
         self._widget.observe(self._reported, "state")

@@ -106,11 +106,8 @@ def arrays(path: str | PathLike[str], only: Collection[str] | None = None) -> di
             names = [name for name in sizes if only is None or name in only]
             needed = sum(sizes[name] for name in names)
             if needed > memory_limit():
-                raise stated(
-                    "it",
-                    f"unpacks to {_size(needed)}, more than the {_size(memory_limit())} allowed",
-                    "give a smaller one, or raise MIDAIR_MEMORY",
-                )
+                reported = f"unpacks to {_size(needed)}, more than the {_size(memory_limit())} allowed"
+                raise stated("it", reported, "give a smaller one, or raise MIDAIR_MEMORY")
             with np.load(stream, allow_pickle=False) as found:
                 return {name: found[name] for name in names}
         except SceneError:
