@@ -201,8 +201,8 @@ def test_a_path_says_itself_whether_it_is_closed() -> None:
     steps = np.linalg.norm(np.roll(ring.places, -1, axis=0) - ring.places, axis=1)
     assert steps == pytest.approx(ring.length / len(ring.places), rel=1e-2)
     last = len(line.places) - 1
-    assert line.index(np.array([0, 1, 1.25, 2])).tolist() == [0, last, np.rint(0.75 * last), 0]
-    assert ring.index(np.array([0, 1, 4 / 3])).tolist() == [0, 0, len(ring.places) // 3]
+    assert line.indices(np.array([0, 1, 1.25, 2])).tolist() == [0, last, np.rint(0.75 * last), 0]
+    assert ring.indices(np.array([0, 1, 4 / 3])).tolist() == [0, 0, len(ring.places) // 3]
 
 
 def test_a_solution_is_modulated_by_a_shape_or_by_samples() -> None:
