@@ -333,7 +333,12 @@ def weigh(solution: Solution, frequency: float, ring_down: float, *, point: int 
     (1.0, True)
     """
     frequency, ring_down = number("frequency", frequency, above=0), number("ring_down", ring_down, above=0)
-    scene, omega = solution.scene, 2 * np.pi * frequency
+    scene, omega = getattr(solution, "scene", None), 2 * np.pi * frequency
+    if not isinstance(scene, Scene):
+        raise refused("solution", solution, "give the result of midair.solve of a scene", "type")
+    if point not in range(len(scene.points)) or axis not in range(3):
+        cure = f"give point from 0 to {len(scene.points) - 1} and axis from 0 to 2"
+        raise refused("point, axis", [point, axis], cure, "out-of-range")
     still, slow = np.zeros((1, 3)), np.array([[1e-6, 0, 0]])
     drag = (scene._needed(slow, still) - scene._needed(still, still))[0, 0] / slow[0, 0]
     viscosity = drag / (6 * np.pi * scene.bead.radius)
