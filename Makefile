@@ -24,7 +24,7 @@ RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml python/build.rs 
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-serve test-long gateware test-studio npm test-npm unity test-unity matlab test-matlab lint fuzz sanitize bench bench-capi bench-peers measured pictures look docs generated api schema golden map header pins wheels release clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-windows test-boards test-serve test-long gateware test-studio npm test-npm unity test-unity matlab test-matlab lint fuzz sanitize bench bench-capi bench-peers measured pictures look docs generated api schema golden map header pins wheels release clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -80,7 +80,7 @@ $(BUILT)/libmidair.so:
 	$(MAKE) --no-print-directory capi
 
 test: outlook lint test-rust test-python ## The core's tests and the package's (the C library's: test-capi)
-	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-studio, test-npm, test-unity, test-matlab, test-firmware, test-boards, test-serve, test-long (Ctrl-C, flights, the wheel, docs/extending.md, the oldest Rust), test-portable, fuzz, sanitize"
+	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-studio, test-npm, test-unity, test-matlab, test-firmware, test-boards, test-serve, test-long (Ctrl-C, flights, the wheel, docs/extending.md, the oldest Rust), test-portable, test-windows, fuzz, sanitize"
 
 outlook:
 	@echo "make test: lint, the core's tests, the package's tests; 18 minutes on two cores, a third of it when built before."
@@ -111,6 +111,9 @@ embedded: ## Write the table of docs/embedded.md anew (Debian's packages, 5 min)
 
 test-portable: ## The core on 64-bit ARM and WebAssembly, emulated (Debian's packages)
 	core/tests/portable.sh
+
+test-windows: .venv/ready ## The wheel for Windows and a board at a COM port, under Wine (Debian's packages)
+	$(PYTHON) python/tests/windows.py
 
 test-boards: setup ## Boards: programs that play end in every way, 20 times each, and 10,000 frames a link (8 min)
 	$(CARGO) build --quiet --release --manifest-path gateware/autd3/Cargo.toml
