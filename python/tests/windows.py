@@ -3,8 +3,8 @@
 python3 python/tests/windows.py [PART...]
 
 The parts: wheel, board (at a COM port, MIDAIR_SLOW=1: twenty ends of each kind). By name only, because they
-have not passed yet: c (the library and its example), core (its tests), package (the wheel's tests, WORDS="..."
-are arguments of pytest).
+have not passed yet: c (the library and its example), core (its tests), package (tests of the wheel,
+WORDS="..." are arguments of pytest).
 Debian's mingw compiles, with the source of Rust's standard library. A Python for Windows (Maven) and its
 packages (PyPI) are downloaded once into out/windows. Nothing is installed in the system.
 """
