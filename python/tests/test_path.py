@@ -307,3 +307,15 @@ def test_a_still_path_stays_and_is_modulated_by_a_shape_or_by_samples() -> None:
         still.modulated([2.0, 1.0], samples_rate=20)
     with pytest.raises(midair.SceneError, match="places is"):
         midair.path.still([0, 0], duration=1)
+
+
+def test_a_chain_needs_the_frames_of_each_of_its_modulations() -> None:
+    plain = midair.path.line([0, 0, 0.1], [0.01, 0, 0.1], speed=0.1)
+    other = midair.path.line([0.01, 0, 0.1], [0, 0, 0.1], speed=0.1)
+    for chain in (
+        plain.then(other.modulated(200.0), fade=0.01),
+        plain.modulated(200.0).then(other, fade=0.01),
+    ):
+        with pytest.raises(midair.SceneError, match=r"rate is 300\.0: the modulation needs 400 frames"):
+            chain.frames(300.0)
+        assert len(chain.frames(400.0)[0]) >= 80

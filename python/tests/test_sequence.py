@@ -231,6 +231,23 @@ def test_a_jump_from_the_last_frame_to_the_first_is_reported_of_closed_paths() -
         midair.sequence(array, midair.path.from_array(frames, rate=1e3, closed=True), rate=1e3)
 
 
+def test_a_time_constant_of_more_than_a_thousand_frames_is_refused() -> None:
+    with pytest.raises(
+        midair.SceneError, match=r"^tau is 0\.2: give at most 1e-1 s, the time of 1000 frames"
+    ):
+        midair.Solver(midair.Array.grid(3, 3, 0.01), "glide", tau=0.2, rate=1e4)
+
+
+@pytest.mark.filterwarnings("ignore::midair.SceneWarning")
+def test_an_error_in_a_later_block_names_its_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("midair._sequence.solve.BLOCK", 4)
+    array, frames = midair.Array.grid(4, 4, 10e-3), np.full((8, 1, 3), [0, 0, 0.1])
+    frames[6] = array.positions[5]
+    with pytest.raises(midair.SceneError, match=r"^frames\[6\]: points\[0\]") as refused:
+        midair.sequence(array, frames, rate=1e3, change=np.pi)
+    assert (refused.value.code, refused.value.index) == ("too-near", 6)
+
+
 def test_units_taken_for_others_are_reported_once():
     with warnings.catch_warnings(record=True) as reported:
         warnings.simplefilter("always")

@@ -233,3 +233,13 @@ def test_a_bound_of_zero_is_reported_and_solvers_without_a_bound_are_not() -> No
         warnings.simplefilter("always")
         midair.sequence(BOARD, ring, "naive", rate=1e3)
     assert not [one for one in reported if "rad a frame" in str(one.message)]
+
+
+@pytest.mark.filterwarnings("ignore::midair.SceneWarning")
+def test_the_last_frame_of_a_fast_lap_meets_the_first() -> None:
+    board = midair.Array.grid(6, 6, 10e-3, quantization={"phases": 32})
+    lap = midair.path.circle([0, 0, 0.06], 0.015, frequency=100)
+    found = midair.sequence(board, lap, rate=1e3, ahead="all", change=np.pi / 4)
+    assert found.closed
+    assert found.changes.max() <= np.pi / 4 + 1e-6
+    assert found.changes[0].max() > np.pi / 8
