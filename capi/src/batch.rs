@@ -7,7 +7,7 @@ use std::path::Path;
 use std::thread;
 
 use midair::files::Source;
-use midair::{Complex32, Control, Error, SolveRequest, Threads};
+use midair::{Complex32, Control, Error, Result, SolveRequest, Threads};
 
 use crate::answer::Answer;
 use crate::memory::{Complex, Lists, list, path_or_none, room, text, write};
@@ -22,7 +22,7 @@ fn at_most(threads: usize) -> usize {
 
 /// Runs work that starts threads on a separate thread. Rust allocates memory in a thread that waits for others, and frees it
 /// only when that thread ends; so none remains in the caller's thread.
-fn aside<R: Send>(work: impl FnOnce() -> R + Send) -> Result<R, Error> {
+fn aside<R: Send>(work: impl FnOnce() -> R + Send) -> Result<R> {
     // SAFETY: everything that the work borrows outlives the thread, which is joined before this function returns.
     let thread = unsafe { thread::Builder::new().spawn_unchecked(work) };
     let thread = thread.map_err(|error| Error::invalid("threads", error, "the system starts no more: end some"))?;
@@ -30,13 +30,13 @@ fn aside<R: Send>(work: impl FnOnce() -> R + Send) -> Result<R, Error> {
 }
 
 /// Returns the number of entries in a list for all problems, with `count` entries for each problem.
-fn entries(problems: usize, count: usize) -> Result<usize, Error> {
+fn entries(problems: usize, count: usize) -> Result<usize> {
     let cure = "no memory holds so many points: look at the counts";
     problems.checked_mul(count).ok_or_else(|| Error::invalid("problems", problems, cure))
 }
 
 /// Checks that drives and answers of this many problems can be written. Returns the number of entries of the drives.
-fn outputs(problems: usize, drives: *mut Complex, transducers: usize, answers: *mut Answer) -> Result<usize, Error> {
+fn outputs(problems: usize, drives: *mut Complex, transducers: usize, answers: *mut Answer) -> Result<usize> {
     let rows = entries(problems, transducers)?;
     room("drives", drives, rows, rows)?;
     if !answers.is_null() {
@@ -130,12 +130,11 @@ pub unsafe extern "C" fn midair_solve_scenes(
         // SAFETY: the caller guarantees scenes and folder.
         let (scenes, folder) = unsafe {
             let texts = list("scenes", scenes, count)?.iter().enumerate();
-            let scenes: Result<Vec<&str>, Error> =
-                texts.map(|(k, &scene)| text(&format!("scenes[{k}]"), scene)).collect();
+            let scenes: Result<Vec<&str>> = texts.map(|(k, &scene)| text(&format!("scenes[{k}]"), scene)).collect();
             (scenes?, path_or_none("folder", folder)?)
         };
         let share = count.div_ceil(at_most(threads)).max(1);
-        let part = |first: usize| -> Vec<Result<Solved, Error>> {
+        let part = |first: usize| -> Vec<Result<Solved>> {
             (first..count.min(first + share)).map(|k| solve_scene(k, scenes[k], folder, transducers)).collect()
         };
         let spread = || {
@@ -167,7 +166,7 @@ struct Solved {
     said: Vec<String>,
 }
 
-fn solve_scene(k: usize, text: &str, folder: Option<&Path>, row: usize) -> Result<Solved, Error> {
+fn solve_scene(k: usize, text: &str, folder: Option<&Path>, row: usize) -> Result<Solved> {
     let place = format!("scenes[{k}]");
     let (mut state, said) = State::of_scene(text, Source { name: &place, folder })?;
     if state.session.transducers() > row {

@@ -4,7 +4,7 @@ use std::ffi::{CStr, c_char};
 use std::path::Path;
 use std::slice;
 
-use midair::{Complex32, Error};
+use midair::{Complex32, Error, Result};
 
 use crate::outcome::{Message, Outcome, outcome};
 
@@ -23,7 +23,7 @@ const _: () =
     assert!(size_of::<Complex>() == size_of::<Complex32>() && align_of::<Complex>() == align_of::<Complex32>());
 
 /// Returns the object behind a handle, or an error for NULL.
-pub(crate) fn handle<'a, T>(item: &str, handle: Option<&'a T>) -> Result<&'a T, Error> {
+pub(crate) fn handle<'a, T>(item: &str, handle: Option<&'a T>) -> Result<&'a T> {
     handle.ok_or_else(|| Error::invalid(item, "NULL", format!("make one with midair_{item}_new() or the like")))
 }
 
@@ -35,7 +35,7 @@ pub(crate) unsafe fn give<T, S: AsRef<str>>(
     item: &str,
     place: *mut *mut T,
     message: Message,
-    make: impl FnOnce() -> Result<(T, S), Error>,
+    make: impl FnOnce() -> Result<(T, S)>,
 ) -> Outcome {
     outcome(message, || {
         check(item, place, 1)?;
@@ -53,7 +53,7 @@ pub(crate) unsafe fn give<T, S: AsRef<str>>(
 ///
 /// # Safety
 /// `text` is NULL, or ends with NUL.
-pub(crate) unsafe fn text<'a>(item: &str, text: *const c_char) -> Result<&'a str, Error> {
+pub(crate) unsafe fn text<'a>(item: &str, text: *const c_char) -> Result<&'a str> {
     if text.is_null() {
         return Err(Error::invalid(item, "NULL", "give text"));
     }
@@ -66,7 +66,7 @@ pub(crate) unsafe fn text<'a>(item: &str, text: *const c_char) -> Result<&'a str
 ///
 /// # Safety
 /// As for [`text`].
-pub(crate) unsafe fn path_or_none<'a>(item: &str, path: *const c_char) -> Result<Option<&'a Path>, Error> {
+pub(crate) unsafe fn path_or_none<'a>(item: &str, path: *const c_char) -> Result<Option<&'a Path>> {
     // SAFETY: the caller's guarantees are passed on.
     if path.is_null() { Ok(None) } else { unsafe { text(item, path) }.map(|path| Some(Path::new(path))) }
 }
@@ -75,7 +75,7 @@ pub(crate) unsafe fn path_or_none<'a>(item: &str, path: *const c_char) -> Result
 ///
 /// # Safety
 /// `start` is NULL, or `count` entries can be read there as long as the result is used.
-pub(crate) unsafe fn list<'a, T>(item: &str, start: *const T, count: usize) -> Result<&'a [T], Error> {
+pub(crate) unsafe fn list<'a, T>(item: &str, start: *const T, count: usize) -> Result<&'a [T]> {
     if count == 0 {
         return Ok(&[]);
     }
@@ -89,7 +89,7 @@ pub(crate) unsafe fn list<'a, T>(item: &str, start: *const T, count: usize) -> R
 ///
 /// # Safety
 /// The conditions of [`list`].
-pub(crate) unsafe fn list_or_none<'a, T>(item: &str, start: *const T, count: usize) -> Result<Option<&'a [T]>, Error> {
+pub(crate) unsafe fn list_or_none<'a, T>(item: &str, start: *const T, count: usize) -> Result<Option<&'a [T]>> {
     // SAFETY: the caller's guarantees are passed on.
     if start.is_null() { Ok(None) } else { unsafe { list(item, start, count) }.map(Some) }
 }
@@ -98,7 +98,7 @@ pub(crate) unsafe fn list_or_none<'a, T>(item: &str, start: *const T, count: usi
 ///
 /// # Safety
 /// The conditions of [`list`], with three times as many entries.
-pub(crate) unsafe fn vectors<'a>(item: &str, start: *const f64, count: usize) -> Result<&'a [[f64; 3]], Error> {
+pub(crate) unsafe fn vectors<'a>(item: &str, start: *const f64, count: usize) -> Result<&'a [[f64; 3]]> {
     // SAFETY: the caller's guarantees are passed on; an array of three numbers has the layout of three numbers.
     unsafe { list(item, start.cast::<[f64; 3]>(), count) }
 }
@@ -107,7 +107,7 @@ pub(crate) unsafe fn vectors<'a>(item: &str, start: *const f64, count: usize) ->
 ///
 /// # Safety
 /// The conditions of [`list`].
-pub(crate) unsafe fn drive<'a>(start: *const Complex, count: usize) -> Result<&'a [Complex32], Error> {
+pub(crate) unsafe fn drive<'a>(start: *const Complex, count: usize) -> Result<&'a [Complex32]> {
     // SAFETY: the caller's guarantees are passed on; both types are two consecutive f32.
     unsafe { list("drive", start.cast::<Complex32>(), count) }
 }
@@ -130,7 +130,7 @@ impl Lists<'_> {
         pressures: *const f64,
         weights: *const f64,
         count: usize,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         // SAFETY: the caller's guarantees are passed on.
         unsafe {
             Ok(Self {
@@ -143,7 +143,7 @@ impl Lists<'_> {
 }
 
 /// Checks that a buffer is valid and has exactly the `needed` length.
-pub(crate) fn room<T>(item: &str, start: *mut T, count: usize, needed: usize) -> Result<(), Error> {
+pub(crate) fn room<T>(item: &str, start: *mut T, count: usize, needed: usize) -> Result<()> {
     if count != needed {
         return Err(Error::invalid(item, format!("room for {count}"), format!("give room for {needed}")));
     }
@@ -163,12 +163,7 @@ pub(crate) unsafe fn write<T: Copy>(start: *mut T, values: &[T]) {
 ///
 /// # Safety
 /// The buffer is NULL or has room for `count` values.
-pub(crate) unsafe fn fill<T: Copy>(
-    item: &str,
-    start: *mut T,
-    count: usize,
-    values: &[T],
-) -> Result<&'static str, Error> {
+pub(crate) unsafe fn fill<T: Copy>(item: &str, start: *mut T, count: usize, values: &[T]) -> Result<&'static str> {
     room(item, start, count, values.len())?;
     // SAFETY: `room` was checked, and the caller guarantees the buffer.
     unsafe { write(start, values) };
@@ -176,7 +171,7 @@ pub(crate) unsafe fn fill<T: Copy>(
 }
 
 /// Checks that an address is not NULL and is aligned, and that the list fits into memory.
-fn check<T>(item: &str, start: *const T, count: usize) -> Result<(), Error> {
+fn check<T>(item: &str, start: *const T, count: usize) -> Result<()> {
     if start.is_null() {
         return Err(Error::invalid(item, "NULL", "give an address"));
     }

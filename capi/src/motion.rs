@@ -3,7 +3,7 @@
 use std::ffi::c_char;
 use std::ops::Range;
 
-use midair::{Complex32, Control, Error, Moving};
+use midair::{Complex32, Control, Error, Moving, Result};
 
 use crate::memory::{Complex, fill, room, write};
 use crate::outcome::{Message, Outcome, outcome};
@@ -25,14 +25,14 @@ pub struct Motion {
 
 impl State {
     /// Returns the frames of the motion that the session was made from.
-    fn motion(&self) -> Result<&Moving, Error> {
+    fn motion(&self) -> Result<&Moving> {
         let cure = "make the session by midair_session_open() from a scene file with [motion]";
         self.moving.as_ref().ok_or_else(|| Error::invalid("motion", "not there", cure))
     }
 }
 
 /// Returns a range of frames; rejects one with no frames or beyond the last.
-fn range(moving: &Moving, first: usize, count: usize) -> Result<Range<usize>, Error> {
+fn range(moving: &Moving, first: usize, count: usize) -> Result<Range<usize>> {
     if let Some(end) = first.checked_add(count).filter(|&end| count > 0 && end <= moving.frames()) {
         return Ok(first..end);
     }

@@ -3,7 +3,7 @@
 use midair::solvers::{DEFAULT, find};
 use midair::{
     Aim, Array, Bead, Board, Choice, Complex64, Directivity, Error, ErrorCode, Extras, InstructionSet, Medium, Model,
-    OptionValue, Options, PartKind, PartValue, Quantization, Scene, Session, Transducer, Value, word,
+    OptionValue, Options, PartKind, PartValue, Quantization, Result, Scene, Session, Transducer, Value, word,
 };
 
 /// A value that a C program passes.
@@ -29,14 +29,14 @@ pub(crate) struct Setting {
 
 impl Setting {
     /// Returns the settings for an array with its default medium, and a method by its name.
-    pub(crate) fn new(array: Array, method: &str) -> Result<Self, Error> {
+    pub(crate) fn new(array: Array, method: &str) -> Result<Self> {
         let choice = Choice::new(find(method)?.info.name.into(), Options::new())?;
         let (medium, keys) = (array.medium(&[])?, Vec::new());
         Ok(Self { array, before: None, keys, medium, extras: Extras::default(), choice })
     }
 
     /// Returns the settings of a scene: its array, medium, obstacles and method.
-    pub(crate) fn of_scene(scene: &Scene) -> Result<Self, Error> {
+    pub(crate) fn of_scene(scene: &Scene) -> Result<Self> {
         let default = || Choice::new(DEFAULT.into(), Options::new());
         Ok(Self {
             array: scene.array().clone(),
@@ -49,7 +49,7 @@ impl Setting {
     }
 
     /// Makes the model and the session.
-    pub(crate) fn open(&self) -> Result<(Model, Session), Error> {
+    pub(crate) fn open(&self) -> Result<(Model, Session)> {
         let set: InstructionSet = InstructionSet::requested()?;
         let Extras { signature, bead, obstacles, solver: _, plane: _ } = self.extras.clone();
         let model = Model::new(&self.array, self.medium, set)?.with_signature(signature).with_bead(bead);
@@ -59,7 +59,7 @@ impl Setting {
     }
 
     /// Returns the boards of this kind for the array.
-    pub(crate) fn board(&self, kind: &str) -> Result<Board, Error> {
+    pub(crate) fn board(&self, kind: &str) -> Result<Board> {
         self.array.board(kind)
     }
 
@@ -74,7 +74,7 @@ impl Setting {
     }
 
     /// Sets an option, or replaces its earlier value.
-    pub(crate) fn set(&mut self, name: &str, input: Input<'_>) -> Result<(), Error> {
+    pub(crate) fn set(&mut self, name: &str, input: Input<'_>) -> Result<()> {
         let value = |item: &str| input.number(item);
         if let Some(law) = name.strip_prefix("directivity.") {
             let law = Directivity::named(law, Some(value(&format!("directivity.{law}"))?))?;
@@ -95,7 +95,7 @@ impl Setting {
     }
 
     /// Sets a key of the medium. Sound speed and temperature replace each other; the last one counts.
-    fn breathe(&mut self, key: &'static str, value: f64) -> Result<(), Error> {
+    fn breathe(&mut self, key: &'static str, value: f64) -> Result<()> {
         let instead = |other: &str| [[key, other], [other, key]].contains(&["sound_speed", "temperature"]);
         let mut keys = self.keys.clone();
         keys.retain(|(other, _)| *other != key && !instead(other));
@@ -106,7 +106,7 @@ impl Setting {
     }
 
     /// Sets a key of the bead.
-    fn weigh(&mut self, key: &str, input: Input<'_>) -> Result<(), Error> {
+    fn weigh(&mut self, key: &str, input: Input<'_>) -> Result<()> {
         let (item, bead) = (format!("bead.{key}"), self.extras.bead);
         self.extras.bead = if key == "gravity" {
             let list = input.numbers(&item)?;
@@ -119,7 +119,7 @@ impl Setting {
     }
 
     /// Sets an option of the method.
-    fn choose(&mut self, name: &str, input: Input<'_>) -> Result<(), Error> {
+    fn choose(&mut self, name: &str, input: Input<'_>) -> Result<()> {
         let value = input.value(name)?;
         let one = Choice::new(self.choice.name.clone(), [(name.into(), value)].into())?;
         self.choice.options.extend(find(&one.name)?.spelled(&one.options)?);
@@ -154,7 +154,7 @@ fn whole(number: f64) -> Option<i64> {
 
 impl Input<'_> {
     /// Returns the value as an option of a method.
-    fn value(self, item: &str) -> Result<Value, Error> {
+    fn value(self, item: &str) -> Result<Value> {
         Ok(match self {
             Self::Text("true") => Value::Bool(true),
             Self::Text("false") => Value::Bool(false),
@@ -165,7 +165,7 @@ impl Input<'_> {
     }
 
     /// Returns the value as a part of the array. For a quantization it is the name of a board, or "none".
-    fn part(self, item: &str, kind: PartKind) -> Result<PartValue, Error> {
+    fn part(self, item: &str, kind: PartKind) -> Result<PartValue> {
         Ok(match kind {
             PartKind::Real => PartValue::Real(self.number(item)?),
             PartKind::Directivity => PartValue::Directivity(Directivity::named(self.text(item)?, None)?),
@@ -181,35 +181,35 @@ impl Input<'_> {
         })
     }
 
-    fn number(self, item: &str) -> Result<f64, Error> {
+    fn number(self, item: &str) -> Result<f64> {
         f64::read(item, &self.value(item)?)
     }
 
-    fn text(&self, item: &str) -> Result<&str, Error> {
+    fn text(&self, item: &str) -> Result<&str> {
         match self {
             Self::Text(text) => Ok(text),
             _ => Err(Error::invalid(item, "no text", "set it with midair_session_set_text")),
         }
     }
 
-    fn numbers(&self, item: &str) -> Result<&[f64], Error> {
+    fn numbers(&self, item: &str) -> Result<&[f64]> {
         match self {
             Self::Numbers(list) => Ok(list),
             _ => Err(Error::invalid(item, "no list", "set it with midair_session_set_numbers")),
         }
     }
 
-    fn flags(&self, item: &str) -> Result<Vec<bool>, Error> {
+    fn flags(&self, item: &str) -> Result<Vec<bool>> {
         let flag = |number| (number == 0.0 || number == 1.0).then_some(number == 1.0);
         entries(item, self.numbers(item)?, "give 0 for off or 1 for on", flag)
     }
 
-    fn indices(&self, item: &str) -> Result<Vec<usize>, Error> {
+    fn indices(&self, item: &str) -> Result<Vec<usize>> {
         let index = |number| whole(number).and_then(|whole| usize::try_from(whole).ok());
         entries(item, self.numbers(item)?, "give whole numbers of 0 or above", index)
     }
 
-    fn complexes(&self, item: &str) -> Result<Vec<Complex64>, Error> {
+    fn complexes(&self, item: &str) -> Result<Vec<Complex64>> {
         let (pairs, rest) = self.numbers(item)?.as_chunks();
         if !rest.is_empty() {
             let count = 2 * pairs.len() + 1;
@@ -220,7 +220,7 @@ impl Input<'_> {
 }
 
 /// Converts each number of a list by `read`; `cure` is the cure in the error for a number that `read` rejects.
-fn entries<T>(item: &str, list: &[f64], cure: &str, read: impl Fn(f64) -> Option<T>) -> Result<Vec<T>, Error> {
+fn entries<T>(item: &str, list: &[f64], cure: &str, read: impl Fn(f64) -> Option<T>) -> Result<Vec<T>> {
     let refused = |i, number| Error::invalid(format!("{item}[{i}]"), format_args!("{number:?}"), cure);
     list.iter().enumerate().map(|(i, &number)| read(number).ok_or_else(|| refused(i, number))).collect()
 }

@@ -6,7 +6,7 @@ use std::ffi::{CString, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::LazyLock;
 
-use midair::{Error, ErrorCode};
+use midair::{ErrorCode, Result};
 
 /// The result of a call. Unless it is MIDAIR_RESULT_OK, the caller's buffers have not changed, except for the message.
 #[repr(C)]
@@ -70,7 +70,7 @@ pub extern "C" fn midair_last_code() -> *const c_char {
 }
 
 /// Runs the work of a function. Writes its warnings, its error or its panic to the message.
-pub(crate) fn outcome<T: AsRef<str>>(message: Message, work: impl FnOnce() -> Result<T, Error>) -> Outcome {
+pub(crate) fn outcome<T: AsRef<str>>(message: Message, work: impl FnOnce() -> Result<T>) -> Outcome {
     // After a panic, no later call reads data that the panicking call may have left incomplete.
     let (code, outcome) = match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(said)) => {

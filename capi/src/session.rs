@@ -4,7 +4,7 @@ use std::ffi::c_char;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use midair::files::{Format, Source, open};
-use midair::{Control, Error, InstructionSet, Model, Moving, Precision, Problem, Request, SolveRequest};
+use midair::{Control, Error, InstructionSet, Model, Moving, Precision, Problem, Request, Result, SolveRequest};
 
 use crate::answer::{Answer, Metrics};
 use crate::array::Array;
@@ -34,7 +34,7 @@ pub(crate) struct State {
 
 impl State {
     /// Makes a session with these settings. Also returns its warnings, without those in `reported`.
-    fn open(setting: Setting, reported: &[String]) -> Result<(Self, String), Error> {
+    fn open(setting: Setting, reported: &[String]) -> Result<(Self, String)> {
         let (model, session) = setting.open()?;
         let doubts = setting.doubts();
         let news: Vec<&str> = doubts.iter().filter(|doubt| !reported.contains(doubt)).map(String::as_str).collect();
@@ -44,7 +44,7 @@ impl State {
     }
 
     /// Makes a session from the text of a scene. Also returns warnings about probable mistakes.
-    pub(crate) fn of_scene(text: &str, source: Source<'_>) -> Result<(Self, String), Error> {
+    pub(crate) fn of_scene(text: &str, source: Source<'_>) -> Result<(Self, String)> {
         let (scene, moving) =
             open(text.as_bytes(), Format::of_text(text.as_bytes()), source, InstructionSet::requested()?)?;
         let (state, said) = Self::open(Setting::of_scene(&scene)?, &[])?;
@@ -55,7 +55,7 @@ impl State {
     }
 
     /// Solves the request of the scene from which the session was made.
-    pub(crate) fn solve_own(&mut self) -> Result<&midair::Solution, Error> {
+    pub(crate) fn solve_own(&mut self) -> Result<&midair::Solution> {
         if let Some(scene) = &self.scene_request {
             let Request { pressures, phases, weights } = &scene.request;
             self.ask.write(&scene.points, [pressures, phases, weights].map(Option::as_deref));
@@ -67,7 +67,7 @@ impl State {
     }
 
     /// Returns the boards of this kind for the session's array.
-    pub(crate) fn board(&self, kind: &str) -> Result<midair::Board, Error> {
+    pub(crate) fn board(&self, kind: &str) -> Result<midair::Board> {
         self.setting.board(kind)
     }
 
@@ -85,12 +85,12 @@ impl Session {
     ///
     /// # Safety
     /// The handle is NULL, or it has not been freed.
-    pub(crate) unsafe fn behind<'a>(session: *mut Self) -> Result<&'a Self, Error> {
+    pub(crate) unsafe fn behind<'a>(session: *mut Self) -> Result<&'a Self> {
         // SAFETY: the caller's guarantees are passed on; a lock protects the data that change.
         handle("session", unsafe { session.as_ref() })
     }
 
-    pub(crate) fn state(&self) -> Result<MutexGuard<'_, State>, Error> {
+    pub(crate) fn state(&self) -> Result<MutexGuard<'_, State>> {
         match self.0.try_lock() {
             Ok(state) => Ok(state),
             // After a panic, no later call reads data that the call may have left incomplete.
@@ -102,7 +102,7 @@ impl Session {
     }
 
     /// Sets an option. The session then starts anew, with no memory of earlier requests.
-    fn set(&self, name: &str, input: Input<'_>) -> Result<String, Error> {
+    fn set(&self, name: &str, input: Input<'_>) -> Result<String> {
         let mut state = self.state()?;
         let mut setting = state.setting.clone();
         setting.set(name, input)?;

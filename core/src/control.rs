@@ -6,7 +6,7 @@ use core::fmt;
 use core::ops::ControlFlow;
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use crate::error::{Error, ErrorCode, Notice};
+use crate::error::{Error, ErrorCode, Notice, Result};
 use crate::threads::Threads;
 
 /// How far a solve has progressed.
@@ -168,14 +168,14 @@ impl<'a> Control<'a> {
     /// # Errors
     /// [`Error::stopped`] once, if the caller stops. A solver then ends with its best result so far, if it has any.
     #[inline]
-    pub fn pulse(&mut self) -> Result<(), Error> {
+    pub fn pulse(&mut self) -> Result<()> {
         self.pulses = self.pulses.wrapping_add(1);
         if self.pulses.is_multiple_of(PULSES) { self.beat() } else { Ok(()) }
     }
 
     /// Passes a pulse on to the observer at once: before a stage that takes long and has no pulses.
     #[inline(never)]
-    pub(crate) fn beat(&mut self) -> Result<(), Error> {
+    pub(crate) fn beat(&mut self) -> Result<()> {
         if self.received {
             return Ok(());
         }
@@ -188,7 +188,7 @@ impl<'a> Control<'a> {
     ///
     /// # Errors
     /// An error of the code [`ErrorCode::Memory`] if this exceeds the limit or the free memory.
-    pub fn room(&self, what: &str, [transducers, points]: [usize; 2], bytes: u64) -> Result<(), Error> {
+    pub fn room(&self, what: &str, [transducers, points]: [usize; 2], bytes: u64) -> Result<()> {
         let spare = || Vec::<u8>::new().try_reserve_exact(usize::try_from(bytes).unwrap_or(usize::MAX)).is_ok();
         if bytes <= SMALL.min(self.memory) || (bytes <= self.memory && spare()) {
             return Ok(());
@@ -221,8 +221,8 @@ impl<'a> Control<'a> {
     pub(crate) fn each<T: Send>(
         &mut self,
         parts: Vec<T>,
-        run: &(dyn Fn(T, &mut Control) -> Result<(), Error> + Sync),
-    ) -> Result<(), Error> {
+        run: &(dyn Fn(T, &mut Control) -> Result<()> + Sync),
+    ) -> Result<()> {
         let (stop, memory, threads) = (AtomicBool::new(false), self.memory, self.threads.clone());
         // A part may be too short for a pulse that is passed on, so each begins with one.
         let begin = |part: T, control: &mut Control| control.beat().and_then(|()| run(part, control));

@@ -112,6 +112,9 @@ pub struct Notice {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Error(Box<Notice>);
 
+/// The result of a call that may be refused.
+pub type Result<T, E = Error> = core::result::Result<T, E>;
+
 impl Deref for Error {
     type Target = Notice;
 
@@ -369,13 +372,13 @@ fn edits(a: &[char], b: &[char]) -> usize {
 }
 
 /// Returns the entry with this name from a list; case, "-" and "_" do not matter.
-pub(crate) fn find<'a, T>(kind: &str, name: &str, list: &'a [T], of: impl Fn(&T) -> &str) -> Result<&'a T, Error> {
+pub(crate) fn find<'a, T>(kind: &str, name: &str, list: &'a [T], of: impl Fn(&T) -> &str) -> Result<&'a T> {
     let entry = list.iter().find(|entry| same_name(of(entry), name));
     entry.ok_or_else(|| Error::unknown(kind, name, list.iter().map(of)))
 }
 
 /// Checks that there are `count` entries, one for each of `owners`; `found` is their number.
-pub(crate) fn one_each(item: &str, length: usize, entries: &str, count: usize, owners: &str) -> Result<(), Error> {
+pub(crate) fn one_each(item: &str, length: usize, entries: &str, count: usize, owners: &str) -> Result<()> {
     if length == count {
         return Ok(());
     }
@@ -388,7 +391,7 @@ pub(crate) fn one_each(item: &str, length: usize, entries: &str, count: usize, o
 ///
 /// # Errors
 /// A rate that is not finite, and one outside of 0.01 to 1e7.
-pub fn frame_rate(rate: f64) -> Result<f64, Error> {
+pub fn frame_rate(rate: f64) -> Result<f64> {
     match real("rate", rate, 0.0, true)? {
         rate @ 0.01..=1e7 => Ok(rate),
         _ => {
@@ -398,7 +401,7 @@ pub fn frame_rate(rate: f64) -> Result<f64, Error> {
 }
 
 /// Returns `value` if it is finite and at least `least` (above it if `strict`); else an error that names `item`.
-pub(crate) fn real(item: &str, value: f64, least: f64, strict: bool) -> Result<f64, Error> {
+pub(crate) fn real(item: &str, value: f64, least: f64, strict: bool) -> Result<f64> {
     if !value.is_finite() {
         return Err(Error::new(ErrorCode::NotFinite, item, format_args!("{value:?}"), "give a finite number"));
     }

@@ -30,9 +30,7 @@ at_most 4 'a key of the medium'
 create core/src/device/boards/eight.rs <<'RUST'
 //! Eight: a start byte, then a byte for each of eight channels.
 
-use crate::device::code::{Code, Levels, Steps};
-use crate::device::format::{Format, Layout, Reader, Writer, twice};
-use crate::device::link::Link;
+use crate::device::format::{Code, Format, Layout, Levels, Link, Reader, Steps, Writer, twice};
 use crate::error::Error;
 
 const START: u8 = 254;

@@ -1,5 +1,7 @@
 //! Tests of outcomes: panics, codes and messages.
 
+use midair::Error;
+
 use super::*;
 
 /// Returns the outcome, and the text in a buffer of `size` bytes.

@@ -1,15 +1,10 @@
 //! Board: converts drives to the bytes that an array's boards receive, and back.
 
-use alloc::borrow::Cow;
-use core::f64::consts::TAU;
-
 use crate::device::boards::FORMATS;
 use crate::device::channels::Channels;
-use crate::device::code::{Code, of_pulse, pulse};
-use crate::device::format::Format;
-use crate::device::link::Link;
+use crate::device::format::{Code, Format, Link, of_pulse, pulse};
 use crate::device::quantization::Quantization;
-use crate::error::{self, one_each};
+use crate::error;
 use crate::kernels::pulses::Pulses;
 use crate::prelude::*;
 
@@ -58,14 +53,14 @@ impl Board {
     ///
     /// # Errors
     /// An unknown name, no transducers, or more than the boards have channels.
-    pub fn new(name: &str, transducers: usize) -> Result<Self, Error> {
+    pub fn new(name: &str, transducers: usize) -> Result<Self> {
         let format = format(name)?;
         Self::of(format, transducers, transducers.div_ceil(format.channels))?
             .with_channels((0..transducers).map(|i| format.channel(i)).collect())
     }
 
     /// Returns as many boards of this kind as these channels reach: of N transducers, or of the channels of an array.
-    pub(crate) fn on(name: &str, channels: Vec<usize>, wiring: Option<&Channels>) -> Result<Self, Error> {
+    pub(crate) fn on(name: &str, channels: Vec<usize>, wiring: Option<&Channels>) -> Result<Self> {
         let format = format(name)?;
         let boards = channels.iter().max().map_or(0, |most| (most / format.channels + 1).min(format.most_boards));
         let board = Self::of(format, channels.len(), boards)?;
@@ -73,7 +68,7 @@ impl Board {
     }
 
     /// Returns boards without channels.
-    fn of(format: &'static Format, transducers: usize, boards: usize) -> Result<Self, Error> {
+    fn of(format: &'static Format, transducers: usize, boards: usize) -> Result<Self> {
         let most = format.channels * format.most_boards;
         if transducers == 0 || transducers > most {
             let cure = format!("{} has 1 to {most} channels", format.name);
@@ -96,7 +91,7 @@ impl Board {
     ///
     /// # Errors
     /// An unknown name, more channels than the boards have.
-    pub fn wired(name: &str, channels: &Channels) -> Result<Self, Error> {
+    pub fn wired(name: &str, channels: &Channels) -> Result<Self> {
         let (format, count) = (format(name)?, channels.count());
         let most = format.channels * format.most_boards;
         if count > most {
@@ -116,7 +111,7 @@ impl Board {
     ///
     /// # Errors
     /// Another number of entries, a channel that no board has, a channel given twice.
-    pub fn with_channels(mut self, channels: Vec<usize>) -> Result<Self, Error> {
+    pub fn with_channels(mut self, channels: Vec<usize>) -> Result<Self> {
         self.one_a_drive("channels", channels.len())?;
         let count = self.boards * self.format.channels;
         self.driven = vec![None; count];
@@ -138,7 +133,7 @@ impl Board {
     ///
     /// # Errors
     /// Another number of entries, one that is not finite.
-    pub fn with_corrections(mut self, corrections: &[f64]) -> Result<Self, Error> {
+    pub fn with_corrections(mut self, corrections: &[f64]) -> Result<Self> {
         self.one_a_drive("corrections", corrections.len())?;
         for (i, (entry, &correction)) in self.corrections.iter_mut().zip(corrections).enumerate() {
             let turns = error::real(&format!("corrections[{i}]"), correction, f64::MIN, false)? / TAU;
@@ -152,7 +147,7 @@ impl Board {
     ///
     /// # Errors
     /// Another number of entries.
-    pub fn with_live(mut self, live: Vec<bool>) -> Result<Self, Error> {
+    pub fn with_live(mut self, live: Vec<bool>) -> Result<Self> {
         one_each("live", live.len(), "of them", self.len(), "transducers")?;
         self.live = match &self.wiring {
             None => live,
@@ -169,72 +164,10 @@ impl Board {
         self
     }
 
-    /// The name of the kind of board.
-    pub fn name(&self) -> &'static str {
-        self.format.name
-    }
-
-    /// The description of the kind of board in one line.
-    pub fn summary(&self) -> &'static str {
-        self.format.summary
-    }
-
-    /// The publication or source code that defines the bytes.
-    pub fn source(&self) -> &'static str {
-        self.format.source
-    }
-
-    /// The number of transducers N.
-    #[allow(clippy::len_without_is_empty, reason = "a board is never empty")]
-    pub fn len(&self) -> usize {
-        self.wiring.as_ref().map_or(self.live.len(), |wiring| wiring.of().len())
-    }
-
     /// Checks that a list has one value for each drive.
-    fn one_a_drive(&self, item: &str, length: usize) -> Result<(), Error> {
+    fn one_a_drive(&self, item: &str, length: usize) -> Result<()> {
         let owners = if self.wiring.is_some() { "channels of the array" } else { "transducers" };
         one_each(item, length, "of them", self.live.len(), owners)
-    }
-
-    /// The number of boards.
-    pub fn boards(&self) -> usize {
-        self.boards
-    }
-
-    /// The number of lines: one for all boards, or one for each board. A frame consists of one part for each line, all of the
-    /// same length.
-    pub fn lines(&self) -> usize {
-        if let Link::Fifo { .. } = self.format.link { self.boards } else { 1 }
-    }
-
-    /// The most boards of this kind that can play together.
-    pub fn most_boards(&self) -> usize {
-        self.format.most_boards
-    }
-
-    /// The number of channels of all boards.
-    pub fn channel_count(&self) -> usize {
-        self.driven.len()
-    }
-
-    /// The channel of each transducer (N,), or (C,) for an array with channels.
-    pub fn channels(&self) -> &[usize] {
-        &self.channels
-    }
-
-    /// The number of bytes of a frame, for all lines together.
-    pub fn frame_size(&self) -> usize {
-        (self.format.size)(self.boards)
-    }
-
-    /// The type of link over which the bytes are sent.
-    pub fn link(&self) -> Link {
-        self.format.link
-    }
-
-    /// The ultrasound frequency in Hz.
-    pub fn frequency(&self) -> f64 {
-        self.format.frequency
     }
 
     /// The response of each transducer (N,) to a drive of 1, `None` if all are 1. It describes the delays of the firmware that
@@ -260,24 +193,11 @@ impl Board {
         }
     }
 
-    /// The most frames per second during which the emitted sound is not disturbed, at most [`Board::rate`].
-    pub fn steady_rate(&self) -> f64 {
-        self.rate().min(self.format.steady / self.boards as f64)
-    }
-
-    /// The phases and amplitudes that the board can play. Drives between them may get other pulse widths.
-    ///
-    /// # Errors
-    /// None, for the boards of [`Board::names`].
-    pub fn quantization(&self) -> Result<Quantization, Error> {
-        self.format.steps.quantization()
-    }
-
     /// Writes the code of each channel for a drive (N,); channels without a transducer are off.
     ///
     /// # Errors
     /// Another number of drives, a drive that is not finite or above 1, two different drives on one channel.
-    pub fn codes(&self, drive: &[Complex32], codes: &mut [Code]) -> Result<(), Error> {
+    pub fn codes(&self, drive: &[Complex32], codes: &mut [Code]) -> Result<()> {
         let drive = &*self.drives(drive)?;
         one_each("codes", codes.len(), "of them", self.driven.len(), "channels")?;
         for (channel, code) in codes.iter_mut().enumerate() {
@@ -291,7 +211,7 @@ impl Board {
     /// # Errors
     /// Another number of drives, a drive that is not finite or above 1, two different drives on one channel, a frame of another
     /// size.
-    pub fn encode(&self, drive: &[Complex32], frame: &mut [u8]) -> Result<(), Error> {
+    pub fn encode(&self, drive: &[Complex32], frame: &mut [u8]) -> Result<()> {
         let drive = &*self.drives(drive)?;
         if frame.len() != self.frame_size() {
             let cure = format!("give room for {}", self.frame_size());
@@ -305,7 +225,7 @@ impl Board {
     ///
     /// # Errors
     /// A frame that the board would not accept, by its first wrong byte; another number of drives.
-    pub fn decode(&self, frame: &[u8], drive: &mut [Complex32]) -> Result<(), Error> {
+    pub fn decode(&self, frame: &[u8], drive: &mut [Complex32]) -> Result<()> {
         one_each("drive", drive.len(), "of them", self.len(), "transducers")?;
         let mut channels = vec![Complex32::ZERO; self.live.len()];
         (self.format.decode)(self.boards, frame, &mut |channel, code| {
@@ -328,11 +248,6 @@ impl Board {
         frame
     }
 
-    /// Returns bytes that switch the boards off from any state. If a board has two banks, both banks are then off.
-    pub fn silence(&self) -> Vec<u8> {
-        (self.format.silence)(self.boards, &self.off_frame())
-    }
-
     fn code(&self, drive: &[Complex32], channel: usize) -> Code {
         match self.driven[channel] {
             Some(i) if self.live[i] => match &self.pulses {
@@ -351,7 +266,7 @@ impl Board {
     }
 
     /// Checks a drive (N,), and returns the drive of each driven channel.
-    fn drives<'a>(&self, drive: &'a [Complex32]) -> Result<Cow<'a, [Complex32]>, Error> {
+    fn drives<'a>(&self, drive: &'a [Complex32]) -> Result<Cow<'a, [Complex32]>> {
         one_each("drive", drive.len(), "of them", self.len(), "transducers")?;
         // The test in f32 is faster; only values close to 1 need double precision.
         let fits = |q: &Complex32| q.norm_sqr() <= 1.0 || (q.is_finite() && math::modulus(*q) <= 1.0 + SLACK);
@@ -363,7 +278,61 @@ impl Board {
     }
 }
 
+getters! {
+    Board:
+
+    /// The name of the kind of board.
+    pub name(self) -> &'static str = self.format.name;
+
+    /// The description of the kind of board in one line.
+    pub summary(self) -> &'static str = self.format.summary;
+
+    /// The publication or source code that defines the bytes.
+    pub source(self) -> &'static str = self.format.source;
+
+    /// The number of transducers N.
+    #[allow(clippy::len_without_is_empty, reason = "a board is never empty")]
+    pub len(self) -> usize = self.wiring.as_ref().map_or(self.live.len(), |wiring| wiring.of().len());
+
+    /// The number of boards.
+    pub boards(self) -> usize = self.boards;
+
+    /// The number of lines: one for all boards, or one for each board. A frame consists of one part for each line, all of the
+    /// same length.
+    pub lines(self) -> usize = if let Link::Fifo { .. } = self.format.link { self.boards } else { 1 };
+
+    /// The most boards of this kind that can play together.
+    pub most_boards(self) -> usize = self.format.most_boards;
+
+    /// The number of channels of all boards.
+    pub channel_count(self) -> usize = self.driven.len();
+
+    /// The channel of each transducer (N,), or (C,) for an array with channels.
+    pub channels(self) -> &[usize] = &self.channels;
+
+    /// The number of bytes of a frame, for all lines together.
+    pub frame_size(self) -> usize = (self.format.size)(self.boards);
+
+    /// The type of link over which the bytes are sent.
+    pub link(self) -> Link = self.format.link;
+
+    /// The ultrasound frequency in Hz.
+    pub frequency(self) -> f64 = self.format.frequency;
+
+    /// The most frames per second during which the emitted sound is not disturbed, at most [`Board::rate`].
+    pub steady_rate(self) -> f64 = self.rate().min(self.format.steady / self.boards as f64);
+
+    /// The phases and amplitudes that the board can play. Drives between them may get other pulse widths.
+    ///
+    /// # Errors
+    /// None, for the boards of [`Board::names`].
+    pub quantization(self) -> Result<Quantization> = self.format.steps.quantization();
+
+    /// Returns bytes that switch the boards off from any state. If a board has two banks, both banks are then off.
+    pub silence(self) -> Vec<u8> = (self.format.silence)(self.boards, &self.off_frame());
+}
+
 /// The description of a kind of board.
-pub(crate) fn format(name: &str) -> Result<&'static Format, Error> {
+pub(crate) fn format(name: &str) -> Result<&'static Format> {
     error::find("board", name, &FORMATS, |format| format.name)
 }

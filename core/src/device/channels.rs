@@ -1,6 +1,5 @@
 //! Channels: transducers that are wired together, so that one output of a board drives them.
 
-use crate::error::one_each;
 use crate::prelude::*;
 
 /// Drives on one channel may differ by this much.
@@ -36,7 +35,7 @@ impl Channels {
     ///
     /// # Errors
     /// Another number of entries, a channel of N or above, a channel without transducers below the highest one.
-    pub fn new(channels: Vec<usize>, transducers: usize) -> Result<Option<Self>, Error> {
+    pub fn new(channels: Vec<usize>, transducers: usize) -> Result<Option<Self>> {
         one_each("array.channels", channels.len(), "values", transducers, "transducers")?;
         if let Some((i, channel)) = channels.iter().enumerate().find(|(_, channel)| **channel >= transducers) {
             let cure = format!("give 0 to {}: there are no more channels than transducers", transducers - 1);
@@ -89,7 +88,7 @@ impl Channels {
     ///
     /// # Errors
     /// Two different drives on one channel.
-    pub(crate) fn drives(&self, drive: &[Complex32]) -> Result<Vec<Complex32>, Error> {
+    pub(crate) fn drives(&self, drive: &[Complex32]) -> Result<Vec<Complex32>> {
         let other = |i: usize| self.first[self.of[i]];
         match (0..drive.len()).find(|&i| (drive[i] - drive[other(i)]).norm_sqr() > ALIKE * ALIKE) {
             None => Ok(self.gather(drive)),

@@ -35,7 +35,7 @@ const STEP_ROUNDING: f64 = 1e-9;
 
 /// The number of whole steps that fit into a change in rad, for `phases` phases.
 pub(crate) fn steps_within(change: f64, phases: u32) -> f64 {
-    math::floor(change / core::f64::consts::TAU * f64::from(phases) + STEP_ROUNDING)
+    math::floor(change / TAU * f64::from(phases) + STEP_ROUNDING)
 }
 
 /// The phases and amplitudes that the channels of a device can play: L phases 2 pi l/L and a table of amplitudes. Either can be
@@ -62,7 +62,7 @@ impl Quantization {
     /// # Errors
     /// A number of phases out of range; a table that is empty, too long, not ascending, outside 0 to 1, or that does not end in
     /// 1.
-    pub fn new(phases: Option<u32>, amplitudes: Option<Vec<f64>>) -> Result<Self, Error> {
+    pub fn new(phases: Option<u32>, amplitudes: Option<Vec<f64>>) -> Result<Self> {
         if let Some(count) = phases
             && !PHASES.contains(&count)
         {
@@ -85,7 +85,7 @@ impl Quantization {
     ///
     /// # Errors
     /// An odd number of ticks or one out of range, a tick that is not above 0.
-    pub fn of_pulses(ticks: &[f64]) -> Result<Self, Error> {
+    pub fn of_pulses(ticks: &[f64]) -> Result<Self> {
         let count = ticks.len();
         if !count.is_multiple_of(2) || !(4..=MOST_TICKS).contains(&count) {
             let cure = format!("give an even number of 4 to {MOST_TICKS}");
@@ -96,7 +96,7 @@ impl Quantization {
         }
         let most = count / 2;
         let about = |&width: &usize| width == 0 || (most - width).is_multiple_of(2);
-        let amplitude = |width: usize| math::sin(core::f64::consts::PI * width as f64 / count as f64);
+        let amplitude = |width: usize| math::sin(PI * width as f64 / count as f64);
         let amplitudes = (0..=most).filter(about).map(amplitude).collect();
         let pulses = Some(Box::new((ticks.to_vec(), Pulses::new(ticks))));
         Ok(Self { pulses, ..Self::new(Some(count as u32), Some(amplitudes))? })
@@ -106,7 +106,7 @@ impl Quantization {
     ///
     /// # Errors
     /// Other phases or amplitudes.
-    pub fn agreeing(self, phases: Option<u32>, amplitudes: Option<&[f64]>) -> Result<Self, Error> {
+    pub fn agreeing(self, phases: Option<u32>, amplitudes: Option<&[f64]>) -> Result<Self> {
         let same = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(x, y)| (x - y).abs() < 1e-9);
         let cure = "leave them out: pulses have them";
         if let Some(count) = phases.filter(|_| phases != self.phases()) {
@@ -120,39 +120,10 @@ impl Quantization {
         }
     }
 
-    /// The lengths of the ticks of a period, for a board that makes pulses of whole ticks; else `None`.
-    pub fn ticks(&self) -> Option<&[f64]> {
-        self.pulses.as_ref().map(|pulses| &pulses.0[..])
-    }
-
-    pub(crate) fn pulses(&self) -> Option<&Pulses> {
-        self.pulses.as_ref().map(|pulses| &pulses.1)
-    }
-
-    /// The pulses, if their ticks have different lengths. Then not every phase is possible with every amplitude.
-    pub(crate) fn uneven(&self) -> Option<&Pulses> {
-        self.pulses().filter(|_| self.ticks().is_some_and(|ticks| ticks.iter().any(|&tick| tick != ticks[0])))
-    }
-
-    /// The number of phases L; `None` if the phase is continuous.
-    pub fn phases(&self) -> Option<u32> {
-        self.grid.phases.as_ref().map(|phases| phases.count() as u32)
-    }
-
-    /// The amplitudes in ascending order, the last is 1; `None` if the amplitude is continuous.
-    pub fn amplitudes(&self) -> Option<&[f64]> {
-        self.amplitudes.as_deref()
-    }
-
     /// The amplitudes above 0; empty if the amplitude is continuous.
     pub(crate) fn on(&self) -> &[f64] {
         let table = self.amplitudes().unwrap_or_default();
         &table[usize::from(table.first() == Some(&0.0))..]
-    }
-
-    /// Whether the device can play every drive.
-    pub fn is_continuous(&self) -> bool {
-        self.grid.phases.is_none() && self.amplitudes.is_none()
     }
 
     /// Returns the drive with the nearest phase and the nearest amplitude. If two are equally near, it has the later phase and
@@ -165,11 +136,6 @@ impl Quantization {
         let mut drive = [drive];
         self.grid.round(InstructionSet::SCALAR, 1.0, [1.0; 2], &mut drive);
         drive[0]
-    }
-
-    /// Rounds many drives at once; all instruction sets give the same bits.
-    pub(crate) fn grid(&self) -> &Grid {
-        &self.grid
     }
 
     /// Returns the factor for supply or modulation, below 1 if the largest drive is below the smallest amplitude above 0. Such
@@ -209,7 +175,32 @@ impl Quantization {
     }
 }
 
-fn check_table(table: &[f64]) -> Result<(), Error> {
+getters! {
+    Quantization:
+
+    /// The lengths of the ticks of a period, for a board that makes pulses of whole ticks; else `None`.
+    pub ticks(self) -> Option<&[f64]> = self.pulses.as_ref().map(|pulses| &pulses.0[..]);
+
+    pub(crate) pulses(self) -> Option<&Pulses> = self.pulses.as_ref().map(|pulses| &pulses.1);
+
+    /// The pulses, if their ticks have different lengths. Then not every phase is possible with every amplitude.
+    pub(crate) uneven(self) -> Option<&Pulses> =
+        self.pulses().filter(|_| self.ticks().is_some_and(|ticks| ticks.iter().any(|&tick| tick != ticks[0])));
+
+    /// The number of phases L; `None` if the phase is continuous.
+    pub phases(self) -> Option<u32> = self.grid.phases.as_ref().map(|phases| phases.count() as u32);
+
+    /// The amplitudes in ascending order, the last is 1; `None` if the amplitude is continuous.
+    pub amplitudes(self) -> Option<&[f64]> = self.amplitudes.as_deref();
+
+    /// Whether the device can play every drive.
+    pub is_continuous(self) -> bool = self.grid.phases.is_none() && self.amplitudes.is_none();
+
+    /// Rounds many drives at once; all instruction sets give the same bits.
+    pub(crate) grid(self) -> &Grid = &self.grid;
+}
+
+fn check_table(table: &[f64]) -> Result<()> {
     let item = "array.quantization.amplitudes";
     if table.is_empty() || table.len() > MOST_AMPLITUDES {
         let cure = format!("give 1 to {MOST_AMPLITUDES}, or leave them out");
@@ -217,12 +208,8 @@ fn check_table(table: &[f64]) -> Result<(), Error> {
     }
     for (k, &amplitude) in table.iter().enumerate() {
         let fault = |cure: &str| Error::invalid(format!("{item}[{k}]"), format!("{amplitude:?}"), cure);
-        if !(0.0..=1.0).contains(&amplitude) {
-            return Err(fault("give amplitudes from 0 to 1"));
-        }
-        if k > 0 && amplitude <= table[k - 1] {
-            return Err(fault("give each amplitude once, ascending"));
-        }
+        refuse_if!(!(0.0..=1.0).contains(&amplitude), fault("give amplitudes from 0 to 1"));
+        refuse_if!(k > 0 && amplitude <= table[k - 1], fault("give each amplitude once, ascending"));
         if k + 1 == table.len() && amplitude != 1.0 {
             return Err(fault("the last amplitude is full drive: end the table in 1"));
         }

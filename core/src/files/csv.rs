@@ -1,6 +1,6 @@
 //! Tables of numbers: text with columns, lists in JSON, or .npy. Columns are found by name or by their number.
 
-use crate::error::{ErrorCode, Notice, one_line};
+use crate::error::one_line;
 use crate::files::{json, npy};
 use crate::prelude::*;
 
@@ -10,7 +10,7 @@ type Unit = (&'static str, f64);
 /// The units that the name of a column may have, the columns that have them, and their size in SI.
 const UNITS: &[(&[&str], &[Unit])] = &[
     (&["x", "y", "z"], &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("\u{b5}m", 1e-6)]),
-    (&["phase"], &[("rad", 1.0), ("deg", core::f64::consts::PI / 180.0)]),
+    (&["phase"], &[("rad", 1.0), ("deg", PI / 180.0)]),
     (&["pressure"], &[("pa", 1.0), ("kpa", 1e3)]),
     (&["t"], &[("s", 1.0), ("ms", 1e-3)]),
 ];
@@ -57,7 +57,7 @@ pub struct Table {
 /// assert_eq!(table.rows, [[0.0, 0.2, 0.1]]);
 /// # Ok::<(), midair::Error>(())
 /// ```
-pub fn read_table(bytes: &[u8], name: &str, columns: Columns<'_>) -> Result<Table, Error> {
+pub fn read_table(bytes: &[u8], name: &str, columns: Columns<'_>) -> Result<Table> {
     let none = |value: &str| {
         let (row, units) = (columns.choices[0].join(","), columns.units);
         let cure = format!("give rows {row} {units}, for example {}", columns.example);
@@ -133,9 +133,7 @@ pub fn read_table(bytes: &[u8], name: &str, columns: Columns<'_>) -> Result<Tabl
         table.rows.push(chosen.iter().flatten().map(number).collect::<Result<_, _>>()?);
         table.lines.push(index + 1);
     }
-    if table.rows.is_empty() {
-        return Err(none("empty"));
-    }
+    refuse_if!(table.rows.is_empty(), none("empty"));
     if named == usize::MAX {
         columns.check_first(&table.rows, name)?;
     }
@@ -174,7 +172,7 @@ impl<'a> Columns<'a> {
     }
 
     /// A table of rows without names; `None` if it is empty.
-    fn plain(&self, mut rows: Vec<Vec<f64>>, name: &str) -> Option<Result<Table, Error>> {
+    fn plain(&self, mut rows: Vec<Vec<f64>>, name: &str) -> Option<Result<Table>> {
         let count = rows.first()?.len();
         let wrong = |row: &Vec<f64>| row.len() != count || row.iter().any(|x| !x.is_finite());
         if let Some(index) = rows.iter().position(wrong) {
@@ -196,7 +194,7 @@ impl<'a> Columns<'a> {
     }
 
     /// Checks that the first column of a table without names is x, and does not count the rows, as that of pandas does.
-    fn check_first(&self, rows: &[Vec<f64>], name: &str) -> Result<(), Error> {
+    fn check_first(&self, rows: &[Vec<f64>], name: &str) -> Result<()> {
         let counts = |first: usize| rows.iter().enumerate().all(|(k, row)| row[0] == (first + k) as f64);
         let count = rows[0].iter().filter(|x| !x.is_nan()).count();
         let spare = self.choices[0].first() == Some(&"x") && self.counted(count - 1).is_ok();
@@ -208,7 +206,7 @@ impl<'a> Columns<'a> {
     }
 
     /// The columns of a table without names, by their number.
-    fn counted(&self, count: usize) -> Result<Vec<Column<'a>>, Error> {
+    fn counted(&self, count: usize) -> Result<Vec<Column<'a>>> {
         let fits = |names: &&&[&str]| (names.len()..=names.len() + self.optional.len()).contains(&count);
         let Some(names) = self.choices.iter().rev().find(fits) else {
             return Err(unreadable("", &format!("{count} columns"), format!("give {} {}", self.or(), self.units)));
@@ -218,7 +216,7 @@ impl<'a> Columns<'a> {
     }
 
     /// The columns of a table whose first row is `cells`, a row of names.
-    fn named(&self, cells: &[&str]) -> Result<Vec<Column<'a>>, Error> {
+    fn named(&self, cells: &[&str]) -> Result<Vec<Column<'a>>> {
         let places = |name: &str| {
             let each = cells.iter().enumerate();
             let all: Vec<_> = each.filter_map(|(at, cell)| Some((at, unit(cell, name)?))).collect();

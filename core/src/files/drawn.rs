@@ -1,12 +1,10 @@
-//! Drawn: tables that a binding converts: texts, drawings and pictures to points, the file of an obstacle to a mesh.
+//! Drawn: tables `[shape]` as points, and those that a binding converts: texts, drawings, pictures, meshes and arrays.
 //!
 //! The core has no code for fonts, drawings, pictures and 3D models.
 
-use crate::files::fault::Fault;
-use crate::files::item::{Item, Table};
-use crate::files::node::Node;
-use crate::files::shape::shape;
-use crate::files::write;
+use crate::files::item::{Item, Kind, Read, Table, of_kind};
+use crate::files::{Node, write};
+use crate::points::{Curve, STEP};
 use crate::prelude::*;
 use crate::scene::{Array, Request};
 
@@ -27,7 +25,7 @@ pub enum Drawing {
 /// `obstacles`, `motion.path` (of drawings) or `array.positions` (of formats other than tables). Its second argument contains the table's keys as TOML.
 ///
 /// If the item of an error is a key of the table, the place of that key in the document is added.
-pub type Draw<'a> = dyn FnMut(&str, &str) -> Result<Drawing, Error> + 'a;
+pub type Draw<'a> = dyn FnMut(&str, &str) -> Result<Drawing> + 'a;
 
 /// The tables with points. Their points follow those of `points` in this order.
 const NAMES: [&str; 2] = ["shape", "image"];
@@ -40,7 +38,7 @@ pub(super) struct Drawn {
 }
 
 /// The drawing function of callers that cannot draw: always an error.
-pub(super) fn undrawn(_name: &str, _text: &str) -> Result<Drawing, Error> {
+pub(super) fn undrawn(_name: &str, _text: &str) -> Result<Drawing> {
     let cure = "load the file there and save the scene, which lists what it stands for";
     Err(Error::missing("", "midair's Python package draws it", cure))
 }
@@ -54,7 +52,7 @@ pub(super) fn tables(document: &Node) -> impl Iterator<Item = &Node> {
 }
 
 /// Draws all tables of shapes and images.
-pub(super) fn drawn(root: &Table<'_>, draw: &mut Draw<'_>) -> Result<Vec<Drawn>, Fault> {
+pub(super) fn drawn(root: &Table<'_>, draw: &mut Draw<'_>) -> Read<Vec<Drawn>> {
     let mut drawings = Vec::new();
     for name in NAMES {
         let Some(item) = root.get(name) else { continue };
@@ -64,7 +62,7 @@ pub(super) fn drawn(root: &Table<'_>, draw: &mut Draw<'_>) -> Result<Vec<Drawn>,
 }
 
 /// Returns a table, or each of a list of tables.
-pub(super) fn tables_of(item: Item<'_>) -> Result<Vec<Item<'_>>, Fault> {
+pub(super) fn tables_of(item: Item<'_>) -> Read<Vec<Item<'_>>> {
     match item.node {
         Node::Table(_) => Ok(vec![item]),
         _ => item.each(|one| Ok(Item { path: one.path.clone(), node: one.node }), "give a table, or several"),
@@ -72,7 +70,7 @@ pub(super) fn tables_of(item: Item<'_>) -> Result<Vec<Item<'_>>, Fault> {
 }
 
 /// Draws a table, or each of a list of tables.
-fn each(name: &str, item: Item<'_>, draw: &mut Draw<'_>) -> Result<Vec<Drawn>, Fault> {
+fn each(name: &str, item: Item<'_>, draw: &mut Draw<'_>) -> Read<Vec<Drawn>> {
     let drawn = tables_of(item)?.into_iter().map(|item| match one(name, &item, draw)? {
         Drawing::Points(points, request) => Ok(Drawn { path: item.path, points, request }),
         _ => Err(item.refused("it is drawn as a mesh or an outline: points are wanted")),
@@ -84,7 +82,7 @@ fn each(name: &str, item: Item<'_>, draw: &mut Draw<'_>) -> Result<Vec<Drawn>, F
 type Surface = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
 /// Draws the mesh of an obstacle's table.
-pub(super) fn mesh(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Surface, Fault> {
+pub(super) fn mesh(item: &Item<'_>, draw: &mut Draw<'_>) -> Read<Surface> {
     match one("obstacles", item, draw)? {
         Drawing::Mesh(vertices, faces) => Ok((vertices, faces)),
         _ => Err(item.refused("it is drawn as points or an outline: a mesh is wanted")),
@@ -92,7 +90,7 @@ pub(super) fn mesh(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Surface, Faul
 }
 
 /// Draws a table.
-pub(super) fn one(name: &str, item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Drawing, Fault> {
+pub(super) fn one(name: &str, item: &Item<'_>, draw: &mut Draw<'_>) -> Read<Drawing> {
     item.table()?;
     if name == "shape"
         && let Some((points, request)) = shape(item)?
@@ -102,4 +100,57 @@ pub(super) fn one(name: &str, item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Dr
     let mut text = String::new();
     write::toml("", item.node, &mut text).ok_or_else(|| item.refused("give numbers, words and lists of them"))?;
     draw(name, &text).map_err(|error| item.reported(error))
+}
+
+const KINDS: [Kind; 5] = [
+    ("line", &["start", "end"], &[]),
+    ("circle", &["center", "radius"], &["normal"]),
+    ("polyline", &["points"], &["closed"]),
+    ("text", &["string", "height", "z"], &["font"]),
+    ("svg", &["file", "size", "z"], &[]),
+];
+
+/// The points of a shape and their targets.
+type Made = (Vec<[f64; 3]>, Request);
+
+/// Returns the points that a table of a line, circle or polyline describes, without a document around it.
+///
+/// # Errors
+/// Another kind, an unknown key, a wrong value. Errors name the keys alone.
+///
+/// ```
+/// use midair::files::{Node, read_shape};
+///
+/// let place = |z: f64| Node::Numbers(vec![0.0, 0.0, z]);
+/// let line = [("kind", Node::Text("line".into())), ("start", place(0.1)), ("end", place(0.2)), ("step", Node::Real(0.01))];
+/// let table = Node::Table(line.map(|(key, value)| (key.into(), value)).into());
+/// assert_eq!(read_shape(&table)?.len(), 11);
+/// # Ok::<(), midair::Error>(())
+/// ```
+pub fn read_shape(table: &Node) -> Result<Vec<[f64; 3]>> {
+    let item = Item { path: "shape".into(), node: table };
+    let made = shape(&item).map_err(|fault| fault.bare("shape"))?;
+    made.map(|(points, _)| points).ok_or_else(|| Error::invalid("kind", "text or svg", "give line, circle or polyline"))
+}
+
+/// Returns the points of a shape; `None` for texts and drawings.
+pub(super) fn shape(item: &Item<'_>) -> Read<Option<Made>> {
+    let (kind, table) = of_kind(item, &KINDS, &["step", "pressure", "weight"])?;
+    let curve = match kind {
+        "line" => Curve::line(table.need("start")?.numbers()?, table.need("end")?.numbers()?, false),
+        "circle" => {
+            let normal = table.read("normal", Item::numbers)?.unwrap_or([0.0, 0.0, 1.0]);
+            Curve::circle(table.need("center")?.numbers()?, table.need("radius")?.real()?, normal, 0.0)
+        }
+        "polyline" => {
+            let closed = table.read("closed", Item::flag)?.unwrap_or_default();
+            Curve::lines("points", &table.need("points")?.vectors()?, closed)
+        }
+        _ => return Ok(None),
+    };
+    let step = table.read("step", Item::real)?.unwrap_or(STEP);
+    let points = curve.and_then(|curve| curve.points(step)).map_err(|error| item.reported(error))?;
+    let all = |key: &str| table.read(key, |value| Ok(vec![value.least_zero()?; points.len()]));
+    let request = Request { pressures: all("pressure")?, phases: None, weights: all("weight")? };
+    Ok(Some((points, request)))
 }

@@ -41,7 +41,7 @@ pub fn write_drive(positions: Option<&[[f64; 3]]>, drive: &[Complex32]) -> Strin
 ///
 /// # Errors
 /// The errors of [`crate::files::read_table`]; an index that is not the number of its row; an amplitude outside of 0 to 1.
-pub fn read_drive(bytes: &[u8], name: &str) -> Result<Vec<Complex32>, Error> {
+pub fn read_drive(bytes: &[u8], name: &str) -> Result<Vec<Complex32>> {
     let table = csv::read_table(bytes, name, COLUMNS)?;
     let rows = table.lines.into_iter().zip(table.rows).enumerate();
     rows.map(|(index, (line, row))| {

@@ -19,7 +19,7 @@ const COLUMNS: Columns<'_> = Columns {
 const MOST: usize = 256 << 20;
 
 /// Reads the file with this name from the document's folder.
-pub(super) fn read(name: &str, source: Source<'_>) -> Result<Frames, Error> {
+pub(super) fn read(name: &str, source: Source<'_>) -> Result<Frames> {
     let kinds = ".npy of points (T, M, 3) in m, or CSV with the columns frame, point, x, y, z";
     let (bytes, place) = source.beside("motion.file", name, kinds, MOST)?;
     if name.to_ascii_lowercase().ends_with(".csv") {
@@ -30,7 +30,7 @@ pub(super) fn read(name: &str, source: Source<'_>) -> Result<Frames, Error> {
 }
 
 /// Returns the frames of a table with one row for each point of each frame, in any order.
-fn table(bytes: &[u8], name: &str) -> Result<Frames, Error> {
+fn table(bytes: &[u8], name: &str) -> Result<Frames> {
     let table = csv::read_table(bytes, name, COLUMNS)?;
     let wrong = |row: usize, item: &str, value: &str, cure: &str| {
         Err(csv::fault(name, Some(table.lines[row]), csv::unreadable(item, value, cure.into())))

@@ -1,16 +1,13 @@
 //! JSON, parsed by `serde_json` into a tree of values; and the place of a value in the text.
 
-use alloc::borrow::Cow;
 use alloc::collections::BTreeMap;
-use core::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde_json::value::RawValue;
 use serde_json::{Error, from_str};
 
 use crate::files::node::Node;
-use crate::files::step::{Place, Step};
-use crate::files::syntax::Flaw;
+use crate::files::syntax::{Flaw, Place, Step};
 use crate::prelude::*;
 
 /// How each message of the parser begins, and the reason that users read instead.

@@ -3,11 +3,9 @@
 mod csv;
 mod drawn;
 mod drive;
-mod fault;
 mod frames;
 mod item;
 mod json;
-mod kind;
 mod motion;
 mod node;
 mod npy;
@@ -16,9 +14,7 @@ mod place;
 mod positions;
 mod read;
 mod schema;
-mod shape;
 mod source;
-mod step;
 mod sweep;
 mod syntax;
 mod tables;
@@ -26,14 +22,13 @@ mod toml;
 mod write;
 
 pub use csv::{Columns, Table, read_table};
-pub use drawn::{Draw, Drawing};
+pub use drawn::{Draw, Drawing, read_shape};
 pub use drive::{read_drive, write_drive};
 pub use motion::Motion;
 pub use node::Node;
 pub use path::{read_modulated, read_path};
 pub use positions::{COLUMNS as POSITIONS, read_array};
 pub use schema::tables;
-pub use shape::read_shape;
 pub use source::{Format, MOST_BYTES, Source};
 pub use sweep::sweep_tables;
 pub use tables::Provenance;
@@ -65,7 +60,7 @@ use crate::session::Moving;
 /// assert_eq!(read(text.as_bytes(), Format::Toml)?.array().len(), 400);
 /// # Ok::<(), midair::Error>(())
 /// ```
-pub fn read(bytes: &[u8], format: Format) -> Result<Scene, Error> {
+pub fn read(bytes: &[u8], format: Format) -> Result<Scene> {
     read_from(bytes, format, Source::default())
 }
 
@@ -73,7 +68,7 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Scene, Error> {
 ///
 /// # Errors
 /// The errors of [`read`], and a file that cannot be read.
-pub fn read_from(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Scene, Error> {
+pub fn read_from(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Scene> {
     read_drawn(bytes, format, source, &mut drawn::undrawn)
 }
 
@@ -82,7 +77,7 @@ pub fn read_from(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Sce
 ///
 /// # Errors
 /// The errors of [`read_from`], and the errors of `draw`.
-pub fn read_drawn(bytes: &[u8], format: Format, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Scene, Error> {
+pub fn read_drawn(bytes: &[u8], format: Format, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Scene> {
     let (text, document) = parse(bytes, format, source)?;
     read::scene(&document, source, draw).map_err(|fault| fault.reported(text, format, source))
 }
@@ -116,12 +111,7 @@ pub fn read_drawn(bytes: &[u8], format: Format, source: Source<'_>, draw: &mut D
 /// assert_eq!(motion.path.frames(1e3)?.points.len(), 200);
 /// # Ok::<(), midair::Error>(())
 /// ```
-pub fn read_motion(
-    bytes: &[u8],
-    format: Format,
-    source: Source<'_>,
-    draw: &mut Draw<'_>,
-) -> Result<Option<Motion>, Error> {
+pub fn read_motion(bytes: &[u8], format: Format, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Option<Motion>> {
     let (text, document) = parse(bytes, format, source)?;
     motion::motion(text, &document, format, source, draw).map_err(|fault| fault.reported(text, format, source))
 }
@@ -131,12 +121,7 @@ pub fn read_motion(
 ///
 /// # Errors
 /// The errors of [`read_from`], [`read_motion`] and [`Motion::moving`].
-pub fn open(
-    bytes: &[u8],
-    format: Format,
-    source: Source<'_>,
-    set: InstructionSet,
-) -> Result<(Scene, Option<Moving>), Error> {
+pub fn open(bytes: &[u8], format: Format, source: Source<'_>, set: InstructionSet) -> Result<(Scene, Option<Moving>)> {
     let (text, document) = parse(bytes, format, source)?;
     let draw = &mut drawn::undrawn;
     let motion = motion::motion(text, &document, format, source, draw);
@@ -164,7 +149,7 @@ pub fn open(
 /// let twice = read_sweep(text.as_bytes(), Format::Toml, Source::default()).unwrap_err();
 /// assert!(twice.to_string().starts_with("scene file, line 2, column 1: the key \"seeds\" is written twice"));
 /// ```
-pub fn read_sweep(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Node, Error> {
+pub fn read_sweep(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Node> {
     let (text, document) = parse(bytes, format, source)?;
     sweep::check(&document).map_err(|fault| fault.reported(text, format, source))?;
     Ok(document)
@@ -182,7 +167,7 @@ pub fn placed(bytes: &[u8], format: Format, source: Source<'_>, error: &Error) -
 ///
 /// # Errors
 /// A document that cannot be parsed.
-pub fn references(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Vec<PathBuf>, Error> {
+pub fn references(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Vec<PathBuf>> {
     let (_, document) = parse(bytes, format, source)?;
     let folder = source.folder.unwrap_or(Path::new(""));
     let mut arrays: Vec<&Node> = document.get("array").into_iter().collect();
@@ -203,11 +188,9 @@ pub fn references(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Ve
 }
 
 /// Checks the bytes of a document and parses them. Returns the text and the tree of values.
-fn parse<'a>(bytes: &'a [u8], format: Format, source: Source<'_>) -> Result<(&'a str, Node), Error> {
+fn parse<'a>(bytes: &'a [u8], format: Format, source: Source<'_>) -> Result<(&'a str, Node)> {
     let fault = |value: &str, cure: &str| source.fault(None, Error::unreadable("", value, cure));
-    if bytes.len() > MOST_BYTES {
-        return Err(fault("larger than 64 MB", "give fewer points or transducers"));
-    }
+    refuse_if!(bytes.len() > MOST_BYTES, fault("larger than 64 MB", "give fewer points or transducers"));
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || bytes.iter().take(4).any(|byte| *byte == 0) {
         return Err(fault("not text in UTF-8 but in UTF-16, or binary", "save it as UTF-8"));
     }
@@ -227,7 +210,7 @@ fn parse<'a>(bytes: &'a [u8], format: Format, source: Source<'_>) -> Result<(&'a
 ///
 /// # Errors
 /// A signature of given factors, an option beyond 64 bits.
-pub fn write(scene: &Scene, format: Format, provenance: &Provenance) -> Result<String, Error> {
+pub fn write(scene: &Scene, format: Format, provenance: &Provenance) -> Result<String> {
     let document = tables::document(scene, provenance)?;
     let mut text = String::new();
     match format {

@@ -1,11 +1,8 @@
 //! Scene files with moving points: the table `[motion]` instead of `[[points]]`, besides array, medium and solver.
 
-use crate::files::drawn::{self, Draw};
-use crate::files::fault::Fault;
-use crate::files::item::{Item, Table};
-use crate::files::node::Node;
-use crate::files::source::{Format, Source};
-use crate::files::{frames, path, place, read};
+use crate::files::drawn;
+use crate::files::item::{Fault, Item, Read, Table};
+use crate::files::{Draw, Format, Node, Source, frames, path, place, read};
 use crate::kernels::InstructionSet;
 use crate::points::Path;
 use crate::prelude::*;
@@ -41,7 +38,7 @@ impl Motion {
     /// # Errors
     /// Frames that are chosen together with later ones, which only the Python package can solve; the errors of
     /// [`Moving::new`].
-    pub fn moving(&self, set: InstructionSet) -> Result<Moving, Error> {
+    pub fn moving(&self, set: InstructionSet) -> Result<Moving> {
         if self.ahead != Some(0) {
             let value = self.ahead.map_or_else(|| String::from("\"all\""), |frames| frames.to_string());
             let cure = "midair's Python package solves frames together: leave it out here";
@@ -75,7 +72,7 @@ pub(super) fn motion(
     format: Format,
     source: Source<'_>,
     draw: &mut Draw<'_>,
-) -> Result<Option<Motion>, Fault> {
+) -> Read<Option<Motion>> {
     if node.get("motion").is_none() {
         return Ok(None);
     }
@@ -105,13 +102,7 @@ pub(super) fn motion(
 }
 
 /// Returns the path through the frames of a file, or all paths at the same time.
-fn together(
-    item: &Item<'_>,
-    table: &Table<'_>,
-    pace: Pace,
-    source: Source<'_>,
-    draw: &mut Draw<'_>,
-) -> Result<Path, Fault> {
+fn together(item: &Item<'_>, table: &Table<'_>, pace: Pace, source: Source<'_>, draw: &mut Draw<'_>) -> Read<Path> {
     match (table.get("file"), table.get("path")) {
         (Some(file), None) => {
             let name = file.text()?;

@@ -1,9 +1,6 @@
 //! Node: a document in TOML or JSON as a tree of values, before they are interpreted.
 
-use alloc::borrow::Cow;
-
 use crate::prelude::*;
-use core::fmt;
 
 /// A value of a document.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,9 +1,7 @@
 //! Tables of paths, `[[motion.path]]`: the kinds of paths, and the points that they move. The caller draws outlines.
 
 use crate::files::drawn::{self, Draw, Drawing};
-use crate::files::fault::Fault;
-use crate::files::item::{Item, Table};
-use crate::files::kind::{self, Kind};
+use crate::files::item::{Item, Kind, Read, Table, of_kind};
 use crate::files::node::Node;
 use crate::points::{Curve, Modulation, Path, Run};
 use crate::prelude::*;
@@ -39,7 +37,7 @@ const COMMON: [&str; 3] = ["pressure", "pressures", "am"];
 /// assert!(read_path(&table, &mut |_, _| Err(midair::Error::missing("", "no drawing", "")))?.closed());
 /// # Ok::<(), midair::Error>(())
 /// ```
-pub fn read_path(table: &Node, draw: &mut Draw<'_>) -> Result<Path, Error> {
+pub fn read_path(table: &Node, draw: &mut Draw<'_>) -> Result<Path> {
     path(&Item { path: TABLE.into(), node: table }, draw).map_err(|fault| fault.bare(TABLE))
 }
 
@@ -47,20 +45,20 @@ pub fn read_path(table: &Node, draw: &mut Draw<'_>) -> Result<Path, Error> {
 ///
 /// # Errors
 /// A wrong modulation, or one that does not fit the path. Errors name the keys alone.
-pub fn read_modulated(path: &Path, table: &Node) -> Result<Path, Error> {
+pub fn read_modulated(path: &Path, table: &Node) -> Result<Path> {
     let am = format!("{TABLE}.am");
     modulated(path, &Item { path: am.clone(), node: table }).map_err(|fault| fault.bare(&am))
 }
 
 /// Returns the path of a table.
-pub(super) fn path(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Path, Fault> {
-    let (kind, table) = kind::of(item, &KINDS, &COMMON)?;
+pub(super) fn path(item: &Item<'_>, draw: &mut Draw<'_>) -> Read<Path> {
+    let (kind, table) = of_kind(item, &KINDS, &COMMON)?;
     let path = moving(kind, item, &table, draw)?;
     table.get("am").map_or(Ok(path.clone()), |am| modulated(&path, &am))
 }
 
 /// Returns a path modulated by a table `am`: by a shape of some frequency, or by samples.
-fn modulated(path: &Path, am: &Item<'_>) -> Result<Path, Fault> {
+fn modulated(path: &Path, am: &Item<'_>) -> Read<Path> {
     let table = am.table()?;
     let depth = table.read("depth", Item::real)?.unwrap_or(1.0);
     let modulation = if let Some(samples) = table.read("samples", Item::reals)? {
@@ -72,7 +70,7 @@ fn modulated(path: &Path, am: &Item<'_>) -> Result<Path, Fault> {
     modulation.and_then(|by| path.modulated(by)).map_err(|error| am.reported(error))
 }
 
-fn moving(kind: &str, item: &Item<'_>, table: &Table<'_>, draw: &mut Draw<'_>) -> Result<Path, Fault> {
+fn moving(kind: &str, item: &Item<'_>, table: &Table<'_>, draw: &mut Draw<'_>) -> Read<Path> {
     let real = |key: &str| table.read(key, Item::real);
     let flag = |key: &str| table.read(key, Item::flag).map(Option::unwrap_or_default);
     let pressures = |entry: Item<'_>| match entry.node {

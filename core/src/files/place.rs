@@ -1,8 +1,7 @@
 //! Place: the line and column of an item in a document, for error messages.
 
-use crate::files::source::Format;
-use crate::files::step::{Place, Step};
-use crate::files::{json, toml};
+use crate::files::syntax::{Place, Step};
+use crate::files::{Format, json, toml};
 use crate::prelude::*;
 
 /// The offset of the value at a path such as `points[3].pressure`. If the document has no such value, the offset of the nearest

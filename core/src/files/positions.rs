@@ -28,7 +28,7 @@ const POINTS: Columns<'_> = Columns {
 };
 
 /// Reads the places of a file of points, and the pressure, phase and weight of each, if they are there.
-pub(super) fn points(name: &str, source: Source<'_>) -> Result<Vec<Point>, Error> {
+pub(super) fn points(name: &str, source: Source<'_>) -> Result<Vec<Point>> {
     let (bytes, place) = source.beside("points.file", name, "a table of x, y, z in metres", MOST_BYTES)?;
     let table = csv::read_table(&bytes, &place, POINTS)?;
     let some = |x: f64| (!x.is_nan()).then_some(x);
@@ -46,7 +46,7 @@ pub(super) fn is_table(name: &str) -> bool {
 }
 
 /// Reads the file with this name from the document's folder.
-pub(super) fn read(name: &str, source: Source<'_>) -> Result<Positions, Error> {
+pub(super) fn read(name: &str, source: Source<'_>) -> Result<Positions> {
     let (bytes, place) = source.beside("array.positions.file", name, "a table of x, y, z in metres", MOST_BYTES)?;
     positions(&bytes, &place)
 }
@@ -55,12 +55,12 @@ pub(super) fn read(name: &str, source: Source<'_>) -> Result<Positions, Error> {
 ///
 /// # Errors
 /// The errors of [`crate::files::read_table`] and of [`Array::new`].
-pub fn read_array(bytes: &[u8], name: &str) -> Result<Array, Error> {
+pub fn read_array(bytes: &[u8], name: &str) -> Result<Array> {
     let Positions { positions, normals } = positions(bytes, name)?;
     Array::new(positions, normals).map_err(|error| csv::fault(name, None, error))
 }
 
-fn positions(bytes: &[u8], name: &str) -> Result<Positions, Error> {
+fn positions(bytes: &[u8], name: &str) -> Result<Positions> {
     let table = csv::read_table(bytes, name, COLUMNS)?;
     let vectors = |from: usize| table.rows.iter().map(|row| [row[from], row[from + 1], row[from + 2]]).collect();
     let turned = table.rows[0].len() == 6;

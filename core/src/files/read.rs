@@ -1,13 +1,10 @@
 //! Conversion of the tables of a scene file (`[medium]`, `[array]`, `[[points]]`, shapes, `[[obstacles]]`, `[solver]`, `[plane]`) to a scene.
 
 use crate::device::quantization::Quantization;
-use crate::error::ErrorCode;
-use crate::files::drawn::{self, Draw, Drawing, Drawn, drawn, mesh};
-use crate::files::fault::Fault;
-use crate::files::item::{Item, Table};
-use crate::files::node::Node;
+use crate::files::drawn::{self, Drawn, drawn, mesh};
+use crate::files::item::{Fault, Item, Read, Table};
 use crate::files::positions::{self, Point};
-use crate::files::source::Source;
+use crate::files::{Draw, Drawing, Node, Source};
 use crate::prelude::*;
 use crate::scene::{
     Array, Axis, Bead, Body, Choice, Directivity, Extras, Key, Medium, Mesh, Obstacle, OptionValue, Options, Part,
@@ -16,7 +13,7 @@ use crate::scene::{
 use crate::solvers::registry;
 
 /// Returns the scene of a document.
-pub(super) fn scene(document: &Node, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Scene, Fault> {
+pub(super) fn scene(document: &Node, source: Source<'_>, draw: &mut Draw<'_>) -> Read<Scene> {
     let root = Item::root(document).table()?;
     if let Some(motion) = root.get("motion") {
         let cure = "midair motion solves it and midair play plays it";
@@ -38,7 +35,7 @@ pub(super) fn at(
     request: Request,
     source: Source<'_>,
     draw: &mut Draw<'_>,
-) -> Result<Scene, Fault> {
+) -> Read<Scene> {
     let array = array(&root.need("array")?.table()?, source, draw)?;
     let medium = root.read("medium", |item| Ok(array.medium(&item.table()?.reals(Medium::KEYS)?)?))?;
     let scene = Scene::new(array, medium, places, request)?;
@@ -53,16 +50,14 @@ pub(super) fn at(
 }
 
 /// Reads a point, or those of a file; the pressure, phase and weight of the table replace missing ones of the file.
-fn listed(item: &Item<'_>, source: Source<'_>) -> Result<Vec<Point>, Fault> {
+fn listed(item: &Item<'_>, source: Source<'_>) -> Read<Vec<Point>> {
     let table = item.table()?;
     let real = |key: &str| table.read(key, Item::real);
     let own = [real("pressure")?, real("phase")?, real("weight")?];
     let Some(file) = table.get("file") else {
         return Ok(vec![(table.need("position")?.numbers()?, own)]);
     };
-    if table.get("position").is_some() {
-        return Err(file.refused("a position is given, too: give one of them"));
-    }
+    refuse_if!(table.get("position").is_some(), file.refused("a position is given, too: give one of them"));
     let points = positions::points(file.text()?, source).map_err(|error| Fault::at(file.path.as_str(), error))?;
     let given = |(place, numbers): Point| (place, [0, 1, 2].map(|k| numbers[k].or(own[k])));
     Ok(points.into_iter().map(given).collect())
@@ -81,7 +76,7 @@ fn joined(mut points: Vec<Point>, tables: Vec<Drawn>) -> (Vec<Point>, Vec<(usize
     (points, owners)
 }
 
-fn request(points: &[Point], owners: &[(usize, String)]) -> Result<Request, Fault> {
+fn request(points: &[Point], owners: &[(usize, String)]) -> Read<Request> {
     let count = points.iter().filter(|(_, [pressure, ..])| pressure.is_some()).count();
     if count != 0 && count != points.len() {
         let without = points.iter().position(|(_, [pressure, ..])| pressure.is_none()).unwrap_or_default();
@@ -98,7 +93,7 @@ fn request(points: &[Point], owners: &[(usize, String)]) -> Result<Request, Faul
     Ok(Request { pressures: list(0, 0.0), phases: list(1, 0.0), weights: list(2, 1.0) })
 }
 
-fn obstacles(all: &Item<'_>, draw: &mut Draw<'_>) -> Result<Vec<Obstacle>, Fault> {
+fn obstacles(all: &Item<'_>, draw: &mut Draw<'_>) -> Read<Vec<Obstacle>> {
     let cure = "give tables, each of a wall, a sphere or a mesh";
     let items = all.each(|one| Ok(Item { path: one.path.clone(), node: one.node }), cure)?;
     items.iter().map(|item| obstacle(item, draw)).collect()
@@ -108,7 +103,7 @@ fn obstacles(all: &Item<'_>, draw: &mut Draw<'_>) -> Result<Vec<Obstacle>, Fault
 const MESH: [&[&str]; 2] = [&["vertices", "faces"], &["file", "scale", "offset", "rotation", "up"]];
 
 /// Reads a wall or sphere or mesh; the given keys decide which.
-fn obstacle(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Obstacle, Fault> {
+fn obstacle(item: &Item<'_>, draw: &mut Draw<'_>) -> Read<Obstacle> {
     let table = item.table()?;
     let keys: Vec<&str> = table.entries.iter().map(|(key, _)| &**key).filter(|key| *key != "kind").collect();
     let keys: Vec<&str> = keys.into_iter().filter(|key| table.get(key).is_some()).collect();
@@ -133,7 +128,7 @@ fn obstacle(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Obstacle, Fault> {
             let item = table.need(key.name)?;
             if *count == 1 { Ok([item.real()?].into()) } else { item.some(*count) }
         };
-        let parts = body.parts.iter().map(part).collect::<Result<Vec<_>, Fault>>()?;
+        let parts = body.parts.iter().map(part).collect::<Read<Vec<_>>>()?;
         return Ok((body.make)(&parts, kind));
     }
     let (vertices, faces) = if listed {
@@ -153,7 +148,7 @@ fn of_obstacle(error: Error, item: &Item<'_>) -> Fault {
 }
 
 /// Reads three indices of vertices.
-fn face(item: &Item<'_>) -> Result<[u32; 3], Fault> {
+fn face(item: &Item<'_>) -> Read<[u32; 3]> {
     let corners: [f64; 3] = item.numbers()?;
     if corners.iter().any(|corner| corner.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(corner)) {
         return Err(item.refused("give three indices of vertices"));
@@ -162,8 +157,8 @@ fn face(item: &Item<'_>) -> Result<[u32; 3], Fault> {
 }
 
 /// Reads one signature for all points, or a list with a name for each point.
-fn signature(item: &Item<'_>) -> Result<Signature, Fault> {
-    let read = |path: &str, one: Result<Signature, Error>| one.map_err(|error| Fault::at(path, error));
+fn signature(item: &Item<'_>) -> Read<Signature> {
+    let read = |path: &str, one: Result<Signature>| one.map_err(|error| Fault::at(path, error));
     if let Node::List(_) = item.node {
         let one = |item: &Item<'_>| read(&item.path, Signature::of_point(item.text()?));
         return Ok(Signature::Each(item.each(one, "give a name for each point")?.into()));
@@ -171,12 +166,12 @@ fn signature(item: &Item<'_>) -> Result<Signature, Fault> {
     read("signature", Signature::named(item.text()?))
 }
 
-fn bead(item: &Item<'_>) -> Result<Bead, Fault> {
+fn bead(item: &Item<'_>) -> Read<Bead> {
     let table = item.table()?;
     Ok(Bead::default().with(&table.reals(Particle::KEYS)?, table.read("gravity", Item::numbers)?)?)
 }
 
-fn array(table: &Table<'_>, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Array, Fault> {
+fn array(table: &Table<'_>, source: Source<'_>, draw: &mut Draw<'_>) -> Read<Array> {
     let has = |key: &str| table.get(key).is_some();
     let ways = ["grid", "preset", "positions", "part"].into_iter().filter(|key| has(key)).count();
     if ways != 1 {
@@ -224,7 +219,7 @@ fn array(table: &Table<'_>, source: Source<'_>, draw: &mut Draw<'_>) -> Result<A
 }
 
 /// Reads the value of a part.
-fn value_of(part: &Part, item: &Item<'_>) -> Result<PartValue, Fault> {
+fn value_of(part: &Part, item: &Item<'_>) -> Read<PartValue> {
     Ok(match part.kind() {
         PartKind::Real => PartValue::Real(item.real()?),
         PartKind::Directivity => PartValue::Directivity(directivity(item)?),
@@ -237,7 +232,7 @@ fn value_of(part: &Part, item: &Item<'_>) -> Result<PartValue, Fault> {
     })
 }
 
-fn tiles(item: &Item<'_>) -> Result<[usize; 2], Fault> {
+fn tiles(item: &Item<'_>) -> Read<[usize; 2]> {
     let numbers: [f64; 2] = item.numbers()?;
     if numbers.iter().any(|number| number.fract() != 0.0 || *number < 0.0) {
         return Err(item.refused("give two whole numbers, boards along x and y"));
@@ -246,7 +241,7 @@ fn tiles(item: &Item<'_>) -> Result<[usize; 2], Fault> {
 }
 
 /// Reads an array of positions, listed in the document or in a file beside it.
-fn placed(table: &Table<'_>, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Array, Fault> {
+fn placed(table: &Table<'_>, source: Source<'_>, draw: &mut Draw<'_>) -> Read<Array> {
     let item = table.need("positions")?;
     let normals = table.read("normals", Item::vectors)?;
     if !matches!(item.node, Node::Table(_)) {
@@ -268,7 +263,7 @@ fn placed(table: &Table<'_>, source: Source<'_>, draw: &mut Draw<'_>) -> Result<
     Ok(Array::new(file.positions, normals.or(file.normals))?)
 }
 
-fn directivity(item: &Item<'_>) -> Result<Directivity, Fault> {
+fn directivity(item: &Item<'_>) -> Read<Directivity> {
     let named = match item.node {
         Node::Text(name) => Directivity::named(name, None),
         Node::Table(table) if table.len() == 1 => {
@@ -285,7 +280,7 @@ fn directivity(item: &Item<'_>) -> Result<Directivity, Fault> {
 }
 
 /// Reads a quantization; an empty table allows any drive.
-fn quantization(item: &Item<'_>) -> Result<Quantization, Fault> {
+fn quantization(item: &Item<'_>) -> Read<Quantization> {
     let table = item.table()?;
     let phases = table
         .read("phases", |phases| u32::try_from(phases.integer()?).map_err(|_| phases.refused("give 2 to 65536")))?;
@@ -296,7 +291,7 @@ fn quantization(item: &Item<'_>) -> Result<Quantization, Fault> {
     }
 }
 
-fn choice(table: &Table<'_>, board: Option<&Quantization>) -> Result<Choice, Fault> {
+fn choice(table: &Table<'_>, board: Option<&Quantization>) -> Read<Choice> {
     let name = table.need("name")?;
     let entry = registry::find(name.text()?).map_err(|error| Fault::at("solver.name", error))?;
     let mut options = Options::new();
@@ -314,7 +309,7 @@ fn choice(table: &Table<'_>, board: Option<&Quantization>) -> Result<Choice, Fau
 }
 
 /// Reads the value of an option.
-pub(super) fn value(item: &Item<'_>) -> Result<Value, Fault> {
+pub(super) fn value(item: &Item<'_>) -> Read<Value> {
     Ok(match item.node {
         Node::Bool(value) => Value::Bool(*value),
         Node::Integer(value) => Value::Integer((*value).into()),
@@ -330,7 +325,7 @@ pub(super) fn value(item: &Item<'_>) -> Result<Value, Fault> {
     })
 }
 
-fn plane(table: &Table<'_>, scene: &Scene) -> Result<Plane, Fault> {
+fn plane(table: &Table<'_>, scene: &Scene) -> Read<Plane> {
     let axis = table.read("axis", |axis| Axis::named(axis.text()?).map_err(|error| Fault::at("plane.axis", error)))?;
     let (z, at) = (table.read("z", Item::real)?, table.read("at", Item::real)?);
     let size = table.read("size", Item::real)?;

@@ -59,7 +59,7 @@ impl Default for Source<'_> {
 impl Source<'_> {
     /// Returns the bytes of a file that the key `item` of the document names, at most `most`, and the name of the file in
     /// errors. `kinds` are the files that it may be.
-    pub(super) fn beside(self, item: &str, name: &str, kinds: &str, most: usize) -> Result<(Vec<u8>, String), Error> {
+    pub(super) fn beside(self, item: &str, name: &str, kinds: &str, most: usize) -> Result<(Vec<u8>, String)> {
         let quoted = format!("\"{name}\"");
         let refused = |value: &str, cure: &str| Error::invalid(item, value, cure);
         let Some(folder) = self.folder else {

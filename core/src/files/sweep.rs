@@ -1,7 +1,6 @@
 //! Sweep files: the keys of a document that describes many scenes.
 
-use crate::files::fault::Fault;
-use crate::files::item::Item;
+use crate::files::item::{Item, Read};
 use crate::files::node::Node;
 use crate::files::schema::key_list;
 use crate::prelude::*;
@@ -53,7 +52,7 @@ pub fn sweep_tables() -> [(&'static str, &'static [Key]); 2] {
 }
 
 /// Checks that all keys of a sweep are known.
-pub(super) fn check(document: &Node) -> Result<(), Fault> {
+pub(super) fn check(document: &Node) -> Read<()> {
     let names = |keys: &[Key]| keys.iter().map(|key| key.name).collect::<Vec<_>>();
     let root = Item::root(document).table_of(&names(FILE))?;
     for name in ["array", "medium", "points"] {

@@ -1,10 +1,6 @@
 //! Syntax errors of TOML and JSON, with messages for users of scene files.
 
-use core::fmt;
-
-use crate::files::node::Node;
-use crate::files::schema;
-use crate::files::source::{Format, Source};
+use crate::files::{Format, Node, Source, schema};
 use crate::prelude::*;
 
 /// The most keys of a table, far more than any table needs. Each key is compared with all others of its table; the limit keeps
@@ -37,9 +33,7 @@ impl Flaw {
 
     /// Checks that a table does not have the key already, and that it has not too many keys.
     pub(super) fn check_key(at: usize, key: &str, entries: &[(String, Node)]) -> Result<(), Self> {
-        if entries.iter().any(|(known, _)| known == key) {
-            return Err(Self::twice(at, key));
-        }
+        refuse_if!(entries.iter().any(|(known, _)| known == key), Self::twice(at, key));
         if entries.len() == MOST_KEYS {
             let reason = "a table has more keys than a scene file knows: remove what is none of its keys";
             return Err(Self::new(at, reason));
@@ -76,4 +70,19 @@ impl fmt::Display for Flaw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.reason)
     }
+}
+
+/// Where a path leads in the text of a document: the offset of the last value that exists, the offset of its key, and how many
+/// steps of the path lead there.
+pub(super) struct Place {
+    pub(super) value: usize,
+    pub(super) key: usize,
+    pub(super) steps: usize,
+}
+
+/// One step of a path: a key of a table or an index of a list.
+#[derive(Clone, Copy)]
+pub(super) enum Step<'a> {
+    Key(&'a str),
+    Index(usize),
 }

@@ -14,7 +14,7 @@ pub struct Provenance {
 }
 
 /// Returns the document of a scene as a tree of values.
-pub(super) fn document(scene: &Scene, provenance: &Provenance) -> Result<Node, Error> {
+pub(super) fn document(scene: &Scene, provenance: &Provenance) -> Result<Node> {
     let (medium, request) = (scene.medium(), scene.request());
     let points = scene.points().iter().enumerate().map(|(j, position)| {
         let number = |list: &Option<Vec<f64>>| list.as_ref().map_or(Node::Null, |list| Node::Real(list[j]));
@@ -126,7 +126,7 @@ fn plane(plane: Plane) -> Node {
 }
 
 /// Converts the value of an option.
-fn option(value: &Value) -> Result<Node, Error> {
+fn option(value: &Value) -> Result<Node> {
     Ok(match value {
         Value::Bool(value) => Node::Bool(*value),
         Value::Integer(number) => match (i64::try_from(*number), u64::try_from(*number)) {

@@ -5,8 +5,7 @@ use ::toml::de::{DeInteger, DeTable, DeValue, Error};
 
 use crate::error::one_line;
 use crate::files::node::Node;
-use crate::files::step::{Place, Step};
-use crate::files::syntax::Flaw;
+use crate::files::syntax::{Flaw, Place, Step};
 use crate::prelude::*;
 
 /// Whole numbers from 1e38 on are rejected as too large.

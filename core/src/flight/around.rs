@@ -13,15 +13,12 @@
 //! derivatives of p give the force at some places in a smaller ball, by `response`. A polynomial of degree 6 fitted to these
 //! forces is accurate to 1e-3.
 
-use core::f64::consts::PI;
-
 use crate::kernels::LANES;
 use crate::kernels::around::{Ball, VALUES, WAYS, forces};
 use crate::kernels::flight::TERMS;
 use crate::prelude::*;
-use crate::propagation::field::field;
 use crate::propagation::forces::response::coefficients;
-use crate::propagation::model::Model;
+use crate::propagation::{Model, field};
 use crate::scene::{Particle, dot};
 
 /// Highest order of the waves.
@@ -98,7 +95,7 @@ impl<'a> Around<'a> {
         places: &[[f64; 3]],
         drives: &[&[Complex32]],
         control: &mut Control,
-    ) -> Result<Vec<Polynomial>, Error> {
+    ) -> Result<Vec<Polynomial>> {
         let mut polynomials = vec![[[0.0; 3]; TERMS]; places.len()];
         let parts = polynomials.chunks_mut(LANES).zip(places.chunks(LANES)).zip(drives.chunks(LANES)).collect();
         control.each(parts, &|((polynomials, places), drives): Part<'_>, control| {

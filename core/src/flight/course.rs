@@ -1,13 +1,10 @@
 //! Course: radiation and points of a sequence at knots (interpolation nodes in time), linear between knots.
 
-use crate::control::bytes;
-use crate::error::{frame_rate, one_each, real};
 use crate::flight::envelope::Envelope;
 use crate::prelude::*;
 use crate::propagation::Model;
 use crate::propagation::forces::rest::poised;
-use crate::scene::Bead;
-use crate::scene::distance;
+use crate::scene::{Bead, distance};
 
 /// Largest time between two knots in s. Between such knots, traps deviate by less than 0.1 % from linear interpolation.
 const LONGEST: f64 = 1e-3;
@@ -57,7 +54,7 @@ impl Course {
         envelope: Envelope,
         closed: bool,
         before: Vec<Complex64>,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         frame_rate(envelope.rate)?;
         real("tau", envelope.tau, 0.0, false)?;
         if points == 0 || frames.is_empty() || !frames.len().is_multiple_of(points) {
@@ -99,7 +96,7 @@ impl Course {
         envelope: Envelope,
         closed: bool,
         control: &mut Control,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let transducers = model.array().len();
         let count = drives.len() / transducers;
         if count == 0 || !frames.len().is_multiple_of(count) || !drives.len().is_multiple_of(transducers) {
@@ -125,7 +122,7 @@ impl Course {
     ///
     /// # Errors
     /// Other numbers of drives than transducers; more memory than allowed; a stop.
-    pub fn play(&mut self, now: &[Complex32], following: &[Complex32], control: &mut Control) -> Result<(), Error> {
+    pub fn play(&mut self, now: &[Complex32], following: &[Complex32], control: &mut Control) -> Result<()> {
         for drive in [now, following] {
             one_each("drives", drive.len(), "values", self.transducers, "transducers")?;
         }
@@ -173,7 +170,7 @@ impl Course {
     ///
     /// # Errors
     /// An open sequence with fewer than two knots.
-    pub fn knots(&self, duration: Option<f64>) -> Result<usize, Error> {
+    pub fn knots(&self, duration: Option<f64>) -> Result<usize> {
         let lap = self.lap();
         let needed = duration.map(|duration| math::ceil(duration / self.spacing()) as usize);
         if self.closed {
@@ -240,13 +237,7 @@ impl Course {
     ///
     /// # Errors
     /// The errors of [`crate::rest`].
-    pub fn resting(
-        &self,
-        model: &Model,
-        bead: Bead,
-        points: &[usize],
-        control: &mut Control,
-    ) -> Result<Vec<[f64; 3]>, Error> {
+    pub fn resting(&self, model: &Model, bead: Bead, points: &[usize], control: &mut Control) -> Result<Vec<[f64; 3]>> {
         let frame = self.frames[..self.points].iter().copied();
         let first: Vec<[f64; 3]> = frame.collect();
         let mut start = |point: usize, [speed, acceleration]: [[f64; 3]; 2]| {

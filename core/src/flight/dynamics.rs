@@ -5,13 +5,11 @@
 //! place relative to this centre. Its coefficients are known at knots (interpolation nodes in time), and change
 //! linearly from one knot to the next.
 
-use crate::error::real;
 use crate::kernels::InstructionSet;
 use crate::kernels::flight::{Beads, Laws, Layer, MODES, advance, begin, radii};
 use crate::prelude::*;
-use crate::scene::Medium;
-use crate::scene::Particle;
 use crate::scene::geometry::vector;
+use crate::scene::{Medium, Particle};
 
 /// Number of speeds in the table of drag: it reaches 8 m/s.
 const SPEEDS: usize = 1024;
@@ -104,7 +102,7 @@ impl Flight {
         from: usize,
         places: &mut [[[f64; 8]; 3]],
         control: &mut Control,
-    ) -> Result<usize, Error> {
+    ) -> Result<usize> {
         let laws = self.laws(medium)?;
         let (lap, knots) = (forces.len().saturating_sub(1), places.len());
         if lap == 0 || centres.len() != self.steps * lap + 1 || knots < 2 {
@@ -139,15 +137,13 @@ impl Flight {
         Ok(self.steps * (knots - 1))
     }
 
-    fn laws(&self, medium: Medium) -> Result<Laws, Error> {
+    fn laws(&self, medium: Medium) -> Result<Laws> {
         real("radius", self.particle.radius, 0.0, true)?;
         real("density", self.particle.density, 0.0, true)?;
         real("step", self.step, 0.0, true)?;
         real("unit", self.unit, 0.0, true)?;
         vector("gravity", &self.gravity)?;
-        if self.steps == 0 {
-            return Err(Error::out_of_range("steps", 0, "give at least 1"));
-        }
+        refuse_if!(self.steps == 0, Error::out_of_range("steps", 0, "give at least 1"));
         let mass = self.particle.mass(medium);
         let friction = self.particle.friction(medium) / mass;
         let drag = |k: usize| {

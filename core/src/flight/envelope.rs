@@ -2,8 +2,6 @@
 //!
 //! A transducer is a first-order system: its radiation y follows its drive q by y' = (q - y)/tau.
 
-use core::ops::Range;
-
 use crate::prelude::*;
 
 /// Number of time constants after which an earlier drive has no effect: e^-40 is below the rounding error.

@@ -1,9 +1,7 @@
 //! Around: the force on a small sphere at places in a ball, from the pressure on the ball's surface; sixteen balls at once.
 
 use crate::kernels::flight::TERMS;
-use crate::kernels::lanes::{LANES, Lanes};
-use crate::kernels::simd::{Elementwise, InstructionSet, dispatch};
-use crate::prelude::*;
+use crate::kernels::prelude::*;
 
 /// Number of values at a place: the pressure and its derivatives up to the third, along [`WAYS`].
 pub(crate) const VALUES: usize = 20;

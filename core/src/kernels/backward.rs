@@ -18,10 +18,9 @@
 //! Plain loops without fused products: every instruction set gives the same bits.
 
 use crate::kernels::phasor::close_phasor;
+use crate::kernels::prelude::*;
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, list, loaded, ray, runs, scaled, total};
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::waves::{Emitters, Slopes, Waves, against, decay, even};
-use crate::prelude::*;
 
 /// Number of blocks of eight transducers between two checks for a stop.
 const RUN: usize = 32;
@@ -77,7 +76,7 @@ pub(crate) fn forth(
     point: [f64; 3],
     sent: &mut [Sent],
     control: &mut Control,
-) -> Result<([f64; 2], f64), Error> {
+) -> Result<([f64; 2], f64)> {
     let (mut sums, mut nearest) = ([[0.0; EIGHT]; 2], [0.0; EIGHT]);
     let all = emitters.chunks(RUN).zip(drives.chunks(RUN)).zip(sent.chunks_mut(RUN));
     for ((blocks, drives), sent) in all {
@@ -110,7 +109,7 @@ fn send<S: Doubles>(s: S, waves: &Waves, block: &Emitters, at: usize, point: [f6
     let square = dot(d, d);
     // The phase needs only r, so it can begin before `near` is computed.
     let (r, near) = (square.sqrt(), square.inverse_root());
-    let (cos, sin) = close_phasor(s, r * (waves.wavenumber * (1.0 / core::f64::consts::TAU)));
+    let (cos, sin) = close_phasor(s, r * (waves.wavenumber * (1.0 / TAU)));
     let amplitude = if waves.absorption > 0.0 { near * decay(s, r * waves.absorption) } else { near };
     let [re, im] = loaded(s, &block.factor, at);
     let (cos, sin) = (amplitude * cos, amplitude * sin);
@@ -143,7 +142,7 @@ pub(crate) fn back(
     sent: &[Sent],
     pulls: &mut [Pull],
     control: &mut Control,
-) -> Result<[f64; 4], Error> {
+) -> Result<[f64; 4]> {
     let mut sums = [[0.0; EIGHT]; 4];
     let all = emitters.chunks(RUN).zip(drives.chunks(RUN)).zip(sent.chunks(RUN)).zip(pulls.chunks_mut(RUN));
     for (((blocks, drives), sent), pulls) in all {

@@ -1,9 +1,6 @@
 //! Cholesky factor U, A = U^T U, of a symmetric matrix A with padded rows, and the solution of A x = b.
 
-use crate::kernels::lanes::{LANES, groups, groups_mut, padded};
-use crate::kernels::simd::{InstructionSet, Simd, dispatch};
-use crate::math::sqrtf;
-use crate::prelude::*;
+use crate::kernels::prelude::*;
 
 /// Number of lane groups of a row that stay in registers while multiples of the rows above are subtracted.
 const WIDE: usize = 4;
@@ -33,12 +30,7 @@ fn reduce<S: Simd, const N: usize>(s: S, above: &[f32], row: &mut [f32], i: usiz
 ///
 /// # Errors
 /// A requested stop, which is checked once a row.
-pub(crate) fn factor(
-    set: InstructionSet,
-    matrix: &mut [f32],
-    size: usize,
-    control: &mut Control,
-) -> Result<bool, Error> {
+pub(crate) fn factor(set: InstructionSet, matrix: &mut [f32], size: usize, control: &mut Control) -> Result<bool> {
     dispatch!(set, s => {
         let lanes = padded(size);
         for i in 0..size {

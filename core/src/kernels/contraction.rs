@@ -16,10 +16,9 @@
 
 use crate::kernels::backward::{Pull, Senders};
 use crate::kernels::derivatives::{MORE_TERMS, TERMS, expand};
+use crate::kernels::prelude::*;
 use crate::kernels::simd::doubles::{Doubles, EIGHT, V, dot, list, loaded, ray, runs, total};
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::waves::{C, Emitters, Slopes, Waves};
-use crate::prelude::*;
 
 /// Number of blocks of eight transducers between two checks for a stop.
 const RUN: usize = 8;
@@ -49,7 +48,7 @@ pub(crate) fn contract(
     weights: &Weights,
     pulls: &mut [Pull],
     control: &mut Control,
-) -> Result<[f64; 4], Error> {
+) -> Result<[f64; 4]> {
     let mut sums = [[0.0; EIGHT]; 4];
     for ((blocks, drives), pulls) in emitters.chunks(RUN).zip(drives.chunks(RUN)).zip(pulls.chunks_mut(RUN)) {
         control.pulse()?;

@@ -15,11 +15,10 @@
 //! Plain loops without fused products: every instruction set gives the same bits.
 
 use crate::kernels::phasor::phasor;
+use crate::kernels::prelude::*;
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, loaded, ray, runs, scaled, total};
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::waves::{C, Emitters, Slopes, Waves, even};
 use crate::math::exp;
-use crate::prelude::*;
 
 /// Number of monomials x^a y^b z^c of degree up to 3, in this order: 1; x, y, z; x^2, xy, xz, y^2, yz, z^2; ...
 pub(crate) const TERMS: usize = 20;
@@ -36,7 +35,7 @@ pub(crate) fn each(
     point: [f64; 3],
     mut take: impl FnMut(usize, &[[Eight; MORE_TERMS]; 2]),
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     let mut terms = [[[0.0; EIGHT]; MORE_TERMS]; 2];
     for (b, block) in emitters.iter().enumerate() {
         control.pulse()?;
@@ -62,7 +61,7 @@ pub(crate) fn sum(
     emitters: &[Emitters],
     point: [f64; 3],
     control: &mut Control,
-) -> Result<[[f64; MORE_TERMS]; 2], Error> {
+) -> Result<[[f64; MORE_TERMS]; 2]> {
     let mut sums = [[[0.0; EIGHT]; MORE_TERMS]; 2];
     for blocks in emitters.chunks(EIGHT) {
         control.pulse()?;
@@ -122,7 +121,7 @@ fn value<S: Doubles>(s: S, waves: &Waves, block: &Emitters, at: usize, point: [f
 /// Returns the waves e^{ur}/r, u = jk - alpha, for distances r and their inverses `near`.
 #[inline(always)]
 fn spread<S: Doubles>(s: S, waves: &Waves, r: V<S>, near: V<S>) -> C<S> {
-    let (cos, sin) = phasor(s, r * (waves.wavenumber / core::f64::consts::TAU));
+    let (cos, sin) = phasor(s, r * (waves.wavenumber / TAU));
     let amplitude = if waves.absorption > 0.0 { near * r.each(|r| [exp(-waves.absorption * r)])[0] } else { near };
     [amplitude * cos, amplitude * sin]
 }

@@ -11,12 +11,8 @@
 //! Before its turn a transducer counts with its requested part, between the two values. Its choice leaves an error,
 //! which the later transducers correct (Floyd and Steinberg, Proc. SID 17(2), 1976).
 
-use core::ops::Range;
-
-use crate::kernels::lanes::{groups, groups_mut};
+use crate::kernels::prelude::*;
 use crate::kernels::propagate::rows::Rows;
-use crate::kernels::simd::{InstructionSet, Simd, dispatch};
-use crate::prelude::*;
 
 /// Values at the points; all lists have the same padded length.
 pub(crate) struct Points<'a> {
@@ -42,7 +38,7 @@ pub(crate) fn choose(
     parts: &mut [f32],
     pair: [f32; 2],
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     dispatch!(set, s => {
         let Points { error: [error_re, error_im], inverse, quiet, row: [re, im] } = points;
         for i in range.filter(|&i| drive[i] != Complex32::ZERO) {

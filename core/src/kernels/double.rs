@@ -4,9 +4,7 @@
 //! fused products: every instruction set gives the same bits. The loops use indices, because the compiler does not keep
 //! the sums of iterators in registers.
 
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::math::sqrt;
-use crate::prelude::*;
+use crate::kernels::prelude::*;
 
 /// Number of lanes; rows are padded to a multiple of it.
 pub(crate) const WIDE: usize = 4;
@@ -162,7 +160,7 @@ pub(crate) fn add_products(
     size: usize,
     matrix: &mut [f64],
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     dispatch!(set, _s => {
         for (i, to) in matrix.chunks_exact_mut(size).enumerate() {
             control.pulse()?;
@@ -177,12 +175,7 @@ pub(crate) fn add_products(
 ///
 /// # Errors
 /// A requested stop, which is checked once a row.
-pub(crate) fn factor(
-    set: InstructionSet,
-    matrix: &mut [f64],
-    size: usize,
-    control: &mut Control,
-) -> Result<bool, Error> {
+pub(crate) fn factor(set: InstructionSet, matrix: &mut [f64], size: usize, control: &mut Control) -> Result<bool> {
     dispatch!(set, _s => {
         for i in 0..size {
             control.pulse()?;

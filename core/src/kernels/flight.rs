@@ -22,9 +22,8 @@
 //!
 //! Near the centre few terms of a force are enough: the terms above some degree are left out where they are small.
 
+use crate::kernels::prelude::*;
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V};
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::prelude::*;
 
 /// Number of monomials x^a y^b z^c of degree up to 6, in the order of [`super::derivatives::TERMS`].
 pub(crate) const TERMS: usize = 84;

@@ -10,9 +10,8 @@
 //! All quotients, roots, products and sums are rounded once and none is fused: every instruction set gives a drive the
 //! same code. If two are equally near, the later phase and the larger amplitude are chosen.
 
-use crate::kernels::lanes::{LANES, Lanes};
-use crate::kernels::simd::{Apart, Elementwise, InstructionSet, Simd, WHOLE, dispatch};
-use crate::prelude::*;
+use crate::kernels::prelude::*;
+use crate::kernels::simd::WHOLE;
 
 /// A drive above this modulus is at full power; the difference is rounding.
 const FULL: f32 = 1.0 - 1e-6;
@@ -73,7 +72,7 @@ impl Few {
 impl Phases {
     /// Creates L = `count` phases.
     pub(crate) fn new(count: u32) -> Self {
-        let angle = |l: u32| core::f64::consts::TAU * (f64::from(l) / f64::from(count));
+        let angle = |l: u32| TAU * (f64::from(l) / f64::from(count));
         let once: Vec<f32> = (0..count).flat_map(|l| [math::cos, math::sin].map(|of| of(angle(l)) as f32)).collect();
         let half = math::sin(0.5 * angle(1));
         let step = [-2.0 * half * half, math::sin(angle(1))].map(|x| x as f32);

@@ -3,8 +3,7 @@
 //! Before a modulus is computed, the drive is divided by its larger part (real or imaginary): no square over- or
 //! underflows.
 
-use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
-use crate::kernels::simd::{Apart, Elementwise, InstructionSet, dispatch};
+use crate::kernels::prelude::*;
 use crate::math::sqrtf;
 
 /// Reduces every |q| above 1 to 1; other drives stay.

@@ -1,11 +1,8 @@
 //! Products of stored planar matrices with vectors, and the field of a drive.
 
-use crate::kernels::lanes::{LANES, Lanes};
-use crate::kernels::propagate::field::add_field;
-use crate::kernels::propagate::rows::Rows;
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::prelude::*;
 use crate::kernels::vector::{add_row, correlation};
-use crate::prelude::*;
+use crate::kernels::{Rows, add_field};
 
 /// Number of rows that one pass over a vector multiplies: their sums fill a lane group.
 const TOGETHER: usize = LANES / 2;
@@ -20,7 +17,7 @@ pub(crate) fn correlate_rows(
     vector: [&[f32]; 2],
     control: &mut Control,
     mut out: impl FnMut(usize, Complex32),
-) -> Result<(), Error> {
+) -> Result<()> {
     dispatch!(set, s => {
         let lanes = vector[0].len();
         let row = |k: usize| rows.map(|part| &part[k * lanes..(k + 1) * lanes]);
@@ -53,7 +50,7 @@ pub(crate) fn add_waves(
     drive: &[Complex32],
     [re, im]: [&mut [f32]; 2],
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     let [all_re, all_im] = match rows {
         Rows::Computed { radiation, sources, control_points, .. } => {
             return add_field(set, radiation, sources, drive, control_points, [re, im], control);

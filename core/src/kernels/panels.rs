@@ -9,12 +9,9 @@
 //! absorption. The rows of S are long and many: eight of them stay in the nearest cache while the sums of all points
 //! are computed. No products are fused: every instruction set gives the same bits.
 
-use core::f64::consts::TAU;
-
-use crate::kernels::lanes::{groups, groups_mut};
 use crate::kernels::phasor::phasor;
+use crate::kernels::prelude::*;
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, loaded, ray, runs};
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::math::exp;
 
 /// Number of nodes of an element.

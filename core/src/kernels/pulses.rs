@@ -12,7 +12,6 @@
 
 use core::f32::consts::TAU;
 
-use crate::math::sqrtf;
 use crate::prelude::*;
 
 /// BESIDE edges are compared with a place: two before it and two after it. If there are at most FEW edges, whose

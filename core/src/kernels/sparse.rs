@@ -6,9 +6,7 @@
 //! The method is that of T. A. Davis, "Direct Methods for Sparse Linear Systems" (SIAM 2006), chapters 4 and 6:
 //! elimination tree, left-looking factorisation.
 
-use crate::prelude::*;
-
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::prelude::*;
 
 /// Number of shifts whose systems are solved at once.
 pub(crate) const SHIFTS: usize = 8;
@@ -112,7 +110,7 @@ pub(crate) fn solve(
     shifts: &Wide,
     b: &mut [Wide],
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     let count = b.len();
     let none = [[0.0; SHIFTS]; 2];
     let [mut pivots, mut inverses, mut column] = [(); 3].map(|()| vec![none; count]);

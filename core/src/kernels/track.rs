@@ -1,6 +1,6 @@
 //! One step of the best track over a circle of phases: for each phase the best sum of gains on a path that ends there.
 
-use crate::kernels::simd::{InstructionSet, Simd, dispatch};
+use crate::kernels::prelude::*;
 
 /// Returns the length of the working memory of [`advance`].
 pub(crate) const fn advance_floats(levels: usize, reach: usize) -> usize {

@@ -1,7 +1,6 @@
 //! Vectors over the points: moduli, inner products, sums of squares, and adding the field of one source.
 
-use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
-use crate::kernels::simd::{Apart, Elementwise, InstructionSet, Simd, TINY, dispatch};
+use crate::kernels::prelude::*;
 
 /// Returns the pressure P plus the wave G q.
 #[inline(always)]

@@ -3,7 +3,6 @@
 use crate::kernels;
 use crate::kernels::InstructionSet;
 use crate::linalg::{Planar, times};
-use crate::math::{sqrt, sqrtf};
 use crate::prelude::*;
 use crate::workspace::Workspace;
 
@@ -20,7 +19,7 @@ pub(crate) fn leading_eigenvector<'w>(
     count: usize,
     work: &'w Workspace,
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     let lanes = matrix.lanes;
     let steps = CYCLE.min(count);
     let mut basis = Planar::zeros(steps, lanes, work);

@@ -8,10 +8,8 @@ pub(crate) mod symmetric;
 
 pub(crate) use leading_eigenvector::leading_eigenvector;
 
-use crate::control::bytes;
 use crate::kernels;
-use crate::kernels::InstructionSet;
-use crate::kernels::cholesky;
+use crate::kernels::{InstructionSet, cholesky};
 use crate::prelude::*;
 use crate::workspace::{Buffer, Workspace};
 
@@ -64,7 +62,7 @@ pub(crate) fn times(
     vector: &Planar,
     out: &mut Planar,
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     let Planar { re, im, .. } = out;
     kernels::correlate_rows(set, [&matrix.re, &matrix.im], vector.row(0), control, |k, p| {
         (re[k], im[k]) = (p.re, p.im);
@@ -86,7 +84,7 @@ impl<'w> Cholesky<'w> {
         mut matrix: Buffer<'w, f32>,
         size: usize,
         control: &mut Control,
-    ) -> Result<Option<Self>, Error> {
+    ) -> Result<Option<Self>> {
         Ok(cholesky::factor(set, &mut matrix, size, control)?.then_some(Self { factor: matrix, set }))
     }
 
@@ -120,7 +118,7 @@ impl<'w> Hermitian<'w> {
         shift: f32,
         work: &'w Workspace,
         control: &mut Control,
-    ) -> Result<Option<Self>, Error> {
+    ) -> Result<Option<Self>> {
         let lanes = matrix.lanes;
         let size = 2 * lanes;
         control.room("the Cholesky factor", [0, count], bytes(4, &[size, size]))?;
@@ -156,7 +154,7 @@ impl<'w> Hermitian<'w> {
         mut shift: f32,
         work: &'w Workspace,
         control: &mut Control,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         // Damping far above every entry leaves a multiple of the identity, which can always be factored.
         while shift.is_finite() {
             if let Some(solver) = Self::new(set, matrix, count, shift, work, control)? {

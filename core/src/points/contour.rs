@@ -2,7 +2,6 @@
 
 use alloc::collections::BTreeMap;
 
-use crate::error::real;
 use crate::prelude::*;
 use crate::scene::{distance, short};
 
@@ -31,7 +30,7 @@ const ROUNDING: f64 = 1e-9;
 /// assert!((points[3][1] - 0.005).abs() < 1e-12);
 /// # Ok::<(), midair::Error>(())
 /// ```
-pub fn along(contours: &[Vec<[f64; 3]>], step: f64) -> Result<Vec<[f64; 3]>, Error> {
+pub fn along(contours: &[Vec<[f64; 3]>], step: f64) -> Result<Vec<[f64; 3]>> {
     real("step", step, 0.0, true)?;
     let measured: Vec<Lines> = contours.iter().map(|vertices| Lines::new(vertices)).collect::<Result<_, _>>()?;
     few(measured.iter().map(Lines::length).sum(), step)?;
@@ -52,7 +51,7 @@ pub fn along(contours: &[Vec<[f64; 3]>], step: f64) -> Result<Vec<[f64; 3]>, Err
 /// assert!((18..=20).contains(&ring.len()));
 /// # Ok::<(), midair::Error>(())
 /// ```
-pub fn fitted(most: usize, mut make: impl FnMut(f64) -> Result<Vec<[f64; 3]>, Error>) -> Result<Vec<[f64; 3]>, Error> {
+pub fn fitted(most: usize, mut make: impl FnMut(f64) -> Result<Vec<[f64; 3]>>) -> Result<Vec<[f64; 3]>> {
     let mut step = STEP;
     let mut points = make(step)?;
     while points.len() > most.max(1) {
@@ -63,7 +62,7 @@ pub fn fitted(most: usize, mut make: impl FnMut(f64) -> Result<Vec<[f64; 3]>, Er
 }
 
 /// Checks a length; returns an error if it has too many steps.
-pub(crate) fn few(length: f64, step: f64) -> Result<(), Error> {
+pub(crate) fn few(length: f64, step: f64) -> Result<()> {
     if length / step <= MOST as f64 {
         return Ok(());
     }
@@ -105,7 +104,7 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
-    pub(crate) fn new(vertices: &[[f64; 3]]) -> Result<Self, Error> {
+    pub(crate) fn new(vertices: &[[f64; 3]]) -> Result<Self> {
         if vertices.is_empty() || vertices.iter().flatten().any(|x| !x.is_finite()) {
             return Err(Error::invalid("contour", format_args!("{vertices:?}"), "give vertices of finite numbers"));
         }

@@ -1,8 +1,5 @@
 //! Curves by arc length: a circle or straight lines, as evenly spaced points and as the place at a distance.
 
-use core::f64::consts::{PI, TAU};
-
-use crate::error::real;
 use crate::points::contour::{Lines, even, few, spaced};
 use crate::prelude::*;
 
@@ -40,7 +37,7 @@ impl Curve {
     /// assert_eq!(circle.after(0.0), [0.02, 0.0, 0.15]);
     /// # Ok::<(), midair::Error>(())
     /// ```
-    pub fn circle(center: [f64; 3], radius: f64, normal: [f64; 3], angle: f64) -> Result<Self, Error> {
+    pub fn circle(center: [f64; 3], radius: f64, normal: [f64; 3], angle: f64) -> Result<Self> {
         place("center", center)?;
         let length = 2.0 * PI * real("radius", radius, 0.0, true)?;
         let angle = real("start_angle", angle, f64::MIN, false)?;
@@ -62,7 +59,7 @@ impl Curve {
     /// assert_eq!(square.points(0.005)?.len(), 8);
     /// # Ok::<(), midair::Error>(())
     /// ```
-    pub fn lines(item: &str, corners: &[[f64; 3]], closed: bool) -> Result<Self, Error> {
+    pub fn lines(item: &str, corners: &[[f64; 3]], closed: bool) -> Result<Self> {
         let refused = |cure: &str| Err(Error::invalid(item, format_args!("{corners:?}"), cure));
         if corners.len() < 2 {
             return refused("give at least two");
@@ -86,7 +83,7 @@ impl Curve {
     /// assert_eq!(line.points(0.01)?.len(), 5);
     /// # Ok::<(), midair::Error>(())
     /// ```
-    pub fn line(start: [f64; 3], end: [f64; 3], there_and_back: bool) -> Result<Self, Error> {
+    pub fn line(start: [f64; 3], end: [f64; 3], there_and_back: bool) -> Result<Self> {
         place("start", start)?;
         if start == end {
             let cure = "it is where the start is, give another point";
@@ -107,7 +104,7 @@ impl Curve {
     /// assert!(eight.closed() && eight.length() > 0.08);
     /// # Ok::<(), midair::Error>(())
     /// ```
-    pub fn lissajous(center: [f64; 3], size: [f64; 2], ratio: [f64; 2], phase: f64) -> Result<Self, Error> {
+    pub fn lissajous(center: [f64; 3], size: [f64; 2], ratio: [f64; 2], phase: f64) -> Result<Self> {
         place("center", center)?;
         real("phase", phase, f64::MIN, false)?;
         if !size.iter().all(|&side| (0.0..f64::INFINITY).contains(&side)) || size == [0.0; 2] {
@@ -137,7 +134,7 @@ impl Curve {
     ///
     /// # Errors
     /// A step that is not above 0, more than [`MOST`](crate::points::MOST) points.
-    pub fn points(&self, step: f64) -> Result<Vec<[f64; 3]>, Error> {
+    pub fn points(&self, step: f64) -> Result<Vec<[f64; 3]>> {
         few(self.length, real("step", step, 0.0, true)?)?;
         Ok(spaced(even(self.length, step, |way| self.after(way)).collect(), step))
     }
@@ -167,7 +164,7 @@ impl Curve {
 }
 
 /// Returns two unit vectors normal to `normal`: the first as near to x as possible (else to y), the second to its left.
-fn axes(normal: [f64; 3]) -> Result<[[f64; 3]; 2], Error> {
+fn axes(normal: [f64; 3]) -> Result<[[f64; 3]; 2]> {
     let size = size(normal);
     if !(size > 0.0 && size < f64::INFINITY) {
         return Err(Error::invalid("normal", format_args!("{normal:?}"), "give a direction such as [0, 0, 1]"));
@@ -185,7 +182,7 @@ fn size([x, y, z]: [f64; 3]) -> f64 {
 }
 
 /// Checks a place; returns an error if a coordinate is not finite.
-fn place(item: &str, at: [f64; 3]) -> Result<(), Error> {
+fn place(item: &str, at: [f64; 3]) -> Result<()> {
     if at.iter().all(|x| x.is_finite()) {
         return Ok(());
     }

@@ -4,7 +4,6 @@
 //! point's slot. All other points of the first path fade to 0. All other points of the second path rise from 0, in slots whose
 //! target is 0 or in new slots. A slot with target 0 has no point; only such a slot may change its place suddenly.
 
-use crate::error::real;
 use crate::points::modulation::ROUNDING;
 use crate::points::path::{Course, Link, Moment, Path};
 use crate::prelude::*;
@@ -22,7 +21,7 @@ impl Path {
     /// # Errors
     /// Other durations, unless both are closed and their durations have a ratio of whole numbers up to 64; one path with
     /// pressures and one without.
-    pub fn beside(&self, other: &Self) -> Result<Self, Error> {
+    pub fn beside(&self, other: &Self) -> Result<Self> {
         self.same_unit(other)?;
         let parts = [self, other].into_iter().flat_map(|path| match &*path.course {
             Course::Beside(parts) => parts.clone(),
@@ -39,7 +38,7 @@ impl Path {
     }
 
     /// Returns the duration in s after which both paths end or are at their starts again.
-    fn together(&self, other: &Self) -> Result<f64, Error> {
+    fn together(&self, other: &Self) -> Result<f64> {
         let most = if self.closed && other.closed { MOST_LAPS } else { 1 };
         let lasts = [self.duration, other.duration];
         let ends = (1..=most).map(|laps| {
@@ -57,7 +56,7 @@ impl Path {
         })
     }
 
-    fn same_unit(&self, other: &Self) -> Result<(), Error> {
+    fn same_unit(&self, other: &Self) -> Result<()> {
         if self.pascals == other.pascals {
             return Ok(());
         }
@@ -71,7 +70,7 @@ impl Path {
     ///
     /// # Errors
     /// Paths that need a fade if there is none; one path with pressures and one without; a fade that is not above 0.
-    pub fn then(&self, other: &Self, fade: Option<f64>) -> Result<Self, Error> {
+    pub fn then(&self, other: &Self, fade: Option<f64>) -> Result<Self> {
         let fade = fade.map(|fade| real("fade", fade, 0.0, true)).transpose()?;
         self.same_unit(other)?;
         let (end, begin): (Vec<_>, Vec<_>) = (self.moments(self.duration).collect(), other.moments(0.0).collect());

@@ -1,8 +1,6 @@
 //! Modulation: factors of a target that repeat, 1 - depth + depth s(t).
 
-use core::f64::consts::TAU;
-
-use crate::error::{find, real};
+use crate::error::find;
 use crate::prelude::*;
 
 /// Tolerance of times, relative to a frame or a period, so that rounding errors never decide whether a time is before or after
@@ -41,7 +39,7 @@ impl Modulation {
     ///
     /// # Errors
     /// A frequency that is not above 0, an unknown shape, a depth beyond 0 to 1.
-    pub fn new(frequency: f64, shape: &str, depth: f64) -> Result<Self, Error> {
+    pub fn new(frequency: f64, shape: &str, depth: f64) -> Result<Self> {
         real("frequency", frequency, 0.0, true)?;
         let wave = Wave::Shape(find("shape", shape, &SHAPES, |(name, _)| *name)?.1);
         Ok(Self { frequency, finest: frequency, depth: deep(depth)?, wave })
@@ -51,7 +49,7 @@ impl Modulation {
     ///
     /// # Errors
     /// No samples, samples or a depth beyond 0 to 1, a rate that is not above 0.
-    pub fn of_samples(samples: Vec<f64>, rate: f64, depth: f64) -> Result<Self, Error> {
+    pub fn of_samples(samples: Vec<f64>, rate: f64, depth: f64) -> Result<Self> {
         if samples.is_empty() {
             let cure = "give samples (S,) from 0 to 1, and samples_rate in Hz";
             return Err(Error::invalid("samples", "an empty list", cure));
@@ -87,7 +85,7 @@ impl Modulation {
     }
 }
 
-fn deep(depth: f64) -> Result<f64, Error> {
+fn deep(depth: f64) -> Result<f64> {
     if (0.0..=1.0).contains(&depth) {
         return Ok(depth);
     }

@@ -1,8 +1,5 @@
 //! Paths: points that move for a time, each with a target, as functions of time.
 
-use core::f64::consts::PI;
-
-use crate::error::{frame_rate, real};
 use crate::points::curve::Curve;
 use crate::points::modulation::{Modulation, ROUNDING};
 use crate::prelude::*;
@@ -111,7 +108,7 @@ impl Path {
     ///
     /// # Errors
     /// Neither or both of speed and frequency, a number that is not above 0, a curve of no length; wrong pressures.
-    pub fn along(curve: Curve, run: Run, pressures: Option<&[f64]>) -> Result<Self, Error> {
+    pub fn along(curve: Curve, run: Run, pressures: Option<&[f64]>) -> Result<Self> {
         let Run { speed, frequency, turns, points } = run;
         real("turns", turns, 0.0, true)?;
         if !(1..=super::MOST).contains(&points) {
@@ -133,7 +130,7 @@ impl Path {
         rate: f64,
         closed: bool,
         pressures: Option<&[f64]>,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         Self::straight(places, points, frame_rate(rate)?, closed, pressures)
     }
 
@@ -144,7 +141,7 @@ impl Path {
         rate: f64,
         closed: bool,
         pressures: Option<&[f64]>,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let count = places.len() / points.max(1);
         if points == 0 || count < 2 || count * points != places.len() {
             let cure = "give at least two frames of as many points, at least one";
@@ -164,7 +161,7 @@ impl Path {
     ///
     /// # Errors
     /// No place, wrong places or pressures, a duration that is not above 0.
-    pub fn still(places: &[[f64; 3]], duration: f64, pressures: Option<&[f64]>) -> Result<Self, Error> {
+    pub fn still(places: &[[f64; 3]], duration: f64, pressures: Option<&[f64]>) -> Result<Self> {
         check_set("places", places)?;
         Self::straight([places, places].concat(), places.len(), rate_of(2.0, duration)?, true, pressures)
     }
@@ -180,7 +177,7 @@ impl Path {
         duration: Option<f64>,
         speed: Option<f64>,
         pressures: Option<&[f64]>,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         either(["duration", "speed"], [duration, speed], "give duration in s, or speed in m/s")?;
         check_set("from_points", from)?;
         check_set("to_points", to)?;
@@ -202,7 +199,7 @@ impl Path {
     ///
     /// # Errors
     /// A closed path without a whole number of periods.
-    pub fn modulated(&self, by: Modulation) -> Result<Self, Error> {
+    pub fn modulated(&self, by: Modulation) -> Result<Self> {
         let periods = by.frequency() * self.duration;
         if self.closed && (periods - math::rint(periods)).abs() > ROUNDING * periods.max(1.0) {
             let near = [math::floor(periods), math::ceil(periods)].into_iter().filter(|&periods| periods > 0.0);
@@ -213,26 +210,6 @@ impl Path {
         }
         let modulation = self.modulation.max(by.finest());
         Ok(Self { modulation, course: Arc::new(Course::Modulated(self.clone(), by)), ..self.clone() })
-    }
-
-    /// The number of points M.
-    pub fn points(&self) -> usize {
-        self.points
-    }
-
-    /// The duration in s.
-    pub fn duration(&self) -> f64 {
-        self.duration
-    }
-
-    /// Whether the end joins the start, so that the path can repeat.
-    pub fn closed(&self) -> bool {
-        self.closed
-    }
-
-    /// Whether targets are in Pa; otherwise they are factors.
-    pub fn pascals(&self) -> bool {
-        self.pascals
     }
 
     /// Returns a point at a time in s. A closed path repeats, an open one rests before and after; at a corner the speed is
@@ -297,7 +274,7 @@ impl Path {
     ///
     /// # Errors
     /// The errors of [`Path::count`].
-    pub fn frames(&self, rate: f64) -> Result<PathFrames, Error> {
+    pub fn frames(&self, rate: f64) -> Result<PathFrames> {
         let moments = (0..self.count(rate)?).flat_map(|frame| self.moments(frame as f64 / rate));
         let (points, targets) = moments.map(|moment| (moment.place, moment.target)).unzip();
         Ok(PathFrames { points, targets })
@@ -307,7 +284,7 @@ impl Path {
     ///
     /// # Errors
     /// A rate that gives fewer than two frames, too many at once, or too few for the modulation.
-    pub fn count(&self, rate: f64) -> Result<usize, Error> {
+    pub fn count(&self, rate: f64) -> Result<usize> {
         frame_rate(rate)?;
         let refused = |cure: &str| Err(Error::invalid("rate", format_args!("{rate:?}"), cure));
         let count = math::rint(self.duration * rate) + f64::from(u8::from(!self.closed));
@@ -327,6 +304,22 @@ impl Path {
     }
 }
 
+getters! {
+    Path:
+
+    /// The number of points M.
+    pub points(self) -> usize = self.points;
+
+    /// The duration in s.
+    pub duration(self) -> f64 = self.duration;
+
+    /// Whether the end joins the start, so that the path can repeat.
+    pub closed(self) -> bool = self.closed;
+
+    /// Whether targets are in Pa; otherwise they are factors.
+    pub pascals(self) -> bool = self.pascals;
+}
+
 /// Returns linear interpolation: `before` at share 0, `after` at share 1, exactly there and where both are equal.
 fn mixed(before: f64, after: f64, share: f64) -> f64 {
     if share == 1.0 { after } else { before + share * (after - before) }
@@ -334,7 +327,7 @@ fn mixed(before: f64, after: f64, share: f64) -> f64 {
 
 /// Returns targets (frames, points): pressures in Pa that are one number, one for each point, or one for each point and frame;
 /// 1 without pressures.
-fn spread(pressures: Option<&[f64]>, frames: usize, points: usize) -> Result<Vec<f64>, Error> {
+fn spread(pressures: Option<&[f64]>, frames: usize, points: usize) -> Result<Vec<f64>> {
     let all = frames * points;
     let Some(list) = pressures else { return Ok(vec![1.0; all]) };
     if let Some(k) = list.iter().position(|&each| !(each >= 0.0 && each.is_finite())) {
@@ -350,7 +343,7 @@ fn spread(pressures: Option<&[f64]>, frames: usize, points: usize) -> Result<Vec
 }
 
 /// Returns the duration in s of `way` m in `runs` runs, from a speed in m/s or a frequency in runs per second.
-fn lasting(way: f64, runs: f64, speed: Option<f64>, frequency: Option<f64>) -> Result<f64, Error> {
+fn lasting(way: f64, runs: f64, speed: Option<f64>, frequency: Option<f64>) -> Result<f64> {
     if !(way > 0.0 && way.is_finite()) {
         let value = format!("{} m long", figures(way, 6));
         return Err(Error::invalid("the way", value, "give a path of a finite length above 0"));
@@ -366,7 +359,7 @@ fn lasting(way: f64, runs: f64, speed: Option<f64>, frequency: Option<f64>) -> R
 }
 
 /// Checks that exactly one of two numbers is given.
-fn either(names: [&str; 2], values: [Option<f64>; 2], cure: &str) -> Result<(), Error> {
+fn either(names: [&str; 2], values: [Option<f64>; 2], cure: &str) -> Result<()> {
     let [one, other] = names;
     match values {
         [Some(first), Some(second)] => {
@@ -379,7 +372,7 @@ fn either(names: [&str; 2], values: [Option<f64>; 2], cure: &str) -> Result<(), 
 }
 
 /// Returns the rate of frames if `count` of them take a duration in s.
-fn rate_of(count: f64, duration: f64) -> Result<f64, Error> {
+fn rate_of(count: f64, duration: f64) -> Result<f64> {
     let rate = count / real("duration", duration, 0.0, true)?;
     if rate.is_finite() {
         Ok(rate)
@@ -389,15 +382,13 @@ fn rate_of(count: f64, duration: f64) -> Result<f64, Error> {
 }
 
 /// Checks that there are places, and that all are finite and not too far away.
-fn check_set(item: &str, places: &[[f64; 3]]) -> Result<(), Error> {
-    if places.is_empty() {
-        return Err(Error::invalid(item, "an empty list", "give points x 3 finite numbers in m"));
-    }
+fn check_set(item: &str, places: &[[f64; 3]]) -> Result<()> {
+    refuse_if!(places.is_empty(), Error::invalid(item, "an empty list", "give points x 3 finite numbers in m"));
     near(places, |k| format!("{item}[{k}]"))
 }
 
 /// Checks that places are finite and not too far away; `name` gives the name of a place in errors.
-fn near(places: &[[f64; 3]], name: impl Fn(usize) -> String) -> Result<(), Error> {
+fn near(places: &[[f64; 3]], name: impl Fn(usize) -> String) -> Result<()> {
     match places.iter().position(|place| !place.iter().all(|x| x.abs() <= FARTHEST)) {
         None => Ok(()),
         Some(k) => {

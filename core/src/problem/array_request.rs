@@ -1,12 +1,12 @@
-//! ArrayRequest: targets and weights of all points in Pa, and the factor that scales targets to the balanced level.
+//! ArrayRequest: targets and weights of all points in Pa, scaled to the balanced level; Setup: what is needed of an array.
 
-use crate::error::ErrorCode;
+use crate::device::channels::Channels;
+use crate::device::quantization::Quantization;
 use crate::kernels::padded;
 use crate::prelude::*;
 use crate::problem::metrics::Metrics;
-use crate::problem::setup::Setup;
-use crate::propagation::Propagation;
-use crate::scene::Request;
+use crate::propagation::{Model, Propagation};
+use crate::scene::{Array, Bead, Medium, Request, check_drive, check_positions};
 
 /// The range of targets, in units of the reference pressure. Targets outside of it are near the limits of f32, and
 /// probably in a wrong unit.
@@ -74,7 +74,7 @@ impl ArrayRequest {
 
     /// Checks a request and stores it. Returns the propagation matrix G at the active points, or `None` if all points are
     /// active. A second call allocates memory only for that G.
-    pub(crate) fn read(&mut self, request: &Request) -> Result<Option<Propagation>, Error> {
+    pub(crate) fn read(&mut self, request: &Request) -> Result<Option<Propagation>> {
         let all = 0..self.propagation.points();
         request.check(all.end)?;
         (self.given, self.weighted) = (request.pressures.is_some(), request.weights.is_some());
@@ -140,7 +140,7 @@ impl ArrayRequest {
     ///
     /// # Errors
     /// A target at a point that no transducer reaches; a target so large or small that it must have a wrong unit.
-    pub(crate) fn balance(&mut self, reach: &[f64]) -> Result<(), Error> {
+    pub(crate) fn balance(&mut self, reach: &[f64]) -> Result<()> {
         let reference = self.propagation.reference();
         self.overasked = None;
         let within = LEAST_TARGET..=MOST_TARGET;
@@ -217,5 +217,79 @@ impl ArrayRequest {
     /// Returns the metrics of pressures |p| (M,) in Pa.
     pub(crate) fn metrics(&self, pressures: impl Iterator<Item = f64> + Clone) -> Metrics {
         Metrics::of(pressures.enumerate().map(|(j, pressure)| (pressure, self.pascals[j], self.counted(j))))
+    }
+}
+
+/// The inputs of a problem besides the propagation matrix G and the request. They are useful with any G, also a measured one:
+/// the quantization of a board, positions for methods that order the transducers, and a medium for radiation pressures.
+///
+/// ```
+/// use midair::{Complex64, Control, Problem, Propagation, Quantization, Request, Setup, Workspace, solvers::Greedy};
+///
+/// // A measured matrix of 2 points and 3 transducers, played by a board of 8 phases.
+/// let matrix = [1.0, 2.0, 3.0, 3.0, 2.0, 1.0].map(|re| Complex64::new(re, 0.0));
+/// let setup = Setup { quantization: Some(Quantization::new(Some(8), None)?.into()), ..Setup::default() };
+/// let problem = Problem::with_propagation(Propagation::from_matrix(&matrix, 2)?, setup, &Request::default())?;
+/// let greedy = Greedy { phases: 8, ..Greedy::default() };
+/// let solution = midair::solve(&problem, &greedy, false, &mut Workspace::new(), &mut Control::none())?;
+/// assert!(solution.metrics().accuracy > 0.9);
+/// # Ok::<(), midair::Error>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Setup {
+    /// The air; its density and sound speed give radiation pressures.
+    pub medium: Medium,
+    /// The phases and amplitudes that the board can play; `None` for any drive.
+    pub quantization: Option<Arc<Quantization>>,
+    /// The position in m of each column of the propagation matrix G, if known, for methods that order the columns. For a
+    /// channel it is the middle of its transducers.
+    pub positions: Option<Arc<[[f64; 3]]>>,
+    /// The bead that traps are made for.
+    pub bead: Bead,
+    /// The channels, if each column of the propagation matrix G is a channel; `None` if each column is a transducer.
+    pub channels: Option<Channels>,
+}
+
+impl Setup {
+    /// Returns the setup of a model: its array in its medium, and its bead.
+    pub fn of_model(model: &Model) -> Self {
+        Self { bead: model.bead(), ..Self::of(model.array(), model.medium()) }
+    }
+
+    /// Returns the setup of an array in a medium, with the default bead.
+    pub fn of(array: &Array, medium: Medium) -> Self {
+        let (positions, quantization) = array.shared();
+        let channels = array.wiring().cloned();
+        let middles = channels.as_ref().map(|channels| channels.middles(&positions).into());
+        Self { medium, quantization, positions: middles.or(Some(positions)), bead: Bead::default(), channels }
+    }
+
+    /// Checks that the parts fit the propagation matrix G.
+    pub(crate) fn check(&self, propagation: &Propagation) -> Result<()> {
+        self.medium.check()?;
+        let columns = propagation.transducers();
+        if let Some(channels) = &self.channels {
+            one_each("columns of G", columns, "of them", channels.count(), "channels")?;
+        }
+        self.positions.as_ref().map_or(Ok(()), |positions| check_positions(positions, columns))
+    }
+
+    /// The number of transducers N, for a propagation matrix G with this many columns.
+    pub(crate) fn transducers(&self, columns: usize) -> usize {
+        self.channels.as_ref().map_or(columns, |channels| channels.of().len())
+    }
+
+    /// Checks a drive (N,), and returns the value of each column of the propagation matrix G.
+    ///
+    /// # Errors
+    /// A drive that the array cannot play.
+    pub(crate) fn columns<'a>(&self, drive: &'a [Complex32], columns: usize) -> Result<Cow<'a, [Complex32]>> {
+        match &self.channels {
+            None => check_drive(drive, columns).map(|()| Cow::Borrowed(drive)),
+            Some(channels) => {
+                check_drive(drive, channels.of().len())?;
+                channels.drives(drive).map(Cow::Owned)
+            }
+        }
     }
 }

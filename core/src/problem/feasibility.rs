@@ -1,8 +1,5 @@
 //! Feasibility: the pressures that an array can reach at the points, and requests that are proven to exceed them.
 
-use core::fmt;
-
-use crate::error::{ErrorCode, Notice};
 use crate::prelude::*;
 use crate::problem::Problem;
 use crate::problem::upper_bound::{FEW_POINTS, rough_bound};
@@ -85,7 +82,7 @@ impl Problem {
     ///
     /// # Errors
     /// A stop by the caller.
-    pub fn reach(&self, control: &mut Control) -> Result<Reach, Error> {
+    pub fn reach(&self, control: &mut Control) -> Result<Reach> {
         let propagation = &self.targets.propagation;
         let mut alone = vec![0.0; propagation.points()];
         for (j, alone) in alone.iter_mut().enumerate() {
@@ -106,7 +103,7 @@ impl Problem {
     ///
     /// # Errors
     /// A stop by the caller.
-    pub fn beyond(&self, control: &mut Control) -> Result<Option<Beyond>, Error> {
+    pub fn beyond(&self, control: &mut Control) -> Result<Option<Beyond>> {
         if let Some(alone) = self.beyond_alone() {
             return Ok(Some(alone));
         }

@@ -3,29 +3,22 @@
 pub(crate) mod array_request;
 pub(crate) mod complex_targets;
 pub(crate) mod feasibility;
-pub(crate) mod judgement;
 pub(crate) mod metrics;
 pub(crate) mod mix;
 pub(crate) mod optimum;
 pub(crate) mod range;
-pub(crate) mod rounding;
-pub(crate) mod setup;
 pub(crate) mod solution;
 pub(crate) mod status;
 pub(crate) mod upper_bound;
 
+pub use array_request::Setup;
 pub use feasibility::{Beyond, Reach};
-pub use judgement::Precision;
 pub use metrics::Metrics;
-pub use setup::Setup;
-pub use solution::Solution;
+pub use solution::{Precision, Solution};
 pub use status::Status;
 pub use upper_bound::bound;
 
-use alloc::borrow::Cow;
-
 use crate::device::quantization::Quantization;
-use crate::error::one_each;
 use crate::kernels::{InstructionSet, Rows};
 use crate::prelude::*;
 use crate::problem::array_request::ArrayRequest;
@@ -63,7 +56,7 @@ impl Problem {
     ///
     /// # Errors
     /// A point on a transducer, or one with a pressure above 0 that no transducer reaches.
-    pub fn new(scene: &Scene) -> Result<Self, Error> {
+    pub fn new(scene: &Scene) -> Result<Self> {
         Self::with_instruction_set(scene, InstructionSet::best())
     }
 
@@ -71,7 +64,7 @@ impl Problem {
     ///
     /// # Errors
     /// The errors of [`Problem::new`].
-    pub fn with_instruction_set(scene: &Scene, set: InstructionSet) -> Result<Self, Error> {
+    pub fn with_instruction_set(scene: &Scene, set: InstructionSet) -> Result<Self> {
         Self::of_scene(scene, set, &mut Control::none())
     }
 
@@ -80,7 +73,7 @@ impl Problem {
     ///
     /// # Errors
     /// The errors of [`Problem::new`], and a stop by the caller.
-    pub fn of_scene(scene: &Scene, set: InstructionSet, control: &mut Control) -> Result<Self, Error> {
+    pub fn of_scene(scene: &Scene, set: InstructionSet, control: &mut Control) -> Result<Self> {
         Self::of_model(&Model::of(scene, set), scene.points(), scene.request(), control)
     }
 
@@ -88,12 +81,7 @@ impl Problem {
     ///
     /// # Errors
     /// The errors of [`Problem::of_scene`], and those of [`Scene::new`] for points and request.
-    pub fn of_model(
-        model: &Model,
-        points: &[[f64; 3]],
-        request: &Request,
-        control: &mut Control,
-    ) -> Result<Self, Error> {
+    pub fn of_model(model: &Model, points: &[[f64; 3]], request: &Request, control: &mut Control) -> Result<Self> {
         Self::read(model.driven(points)?, Setup::of_model(model).into(), request, control)
     }
 
@@ -102,11 +90,7 @@ impl Problem {
     /// # Errors
     /// The errors of [`Problem::new`] and [`Request::check`]; another number of positions than transducers, a medium out of
     /// range.
-    pub fn with_propagation(
-        propagation: Propagation,
-        setup: impl Into<Arc<Setup>>,
-        request: &Request,
-    ) -> Result<Self, Error> {
+    pub fn with_propagation(propagation: Propagation, setup: impl Into<Arc<Setup>>, request: &Request) -> Result<Self> {
         Self::watched(propagation, setup, request, &mut Control::none())
     }
 
@@ -119,7 +103,7 @@ impl Problem {
         setup: impl Into<Arc<Setup>>,
         request: &Request,
         control: &mut Control,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let setup = setup.into();
         let propagation = propagation.driven(setup.channels.as_ref())?;
         setup.check(&propagation)?;
@@ -127,12 +111,7 @@ impl Problem {
     }
 
     /// Makes a problem from parts that have been checked.
-    fn read(
-        propagation: Propagation,
-        setup: Arc<Setup>,
-        request: &Request,
-        control: &mut Control,
-    ) -> Result<Self, Error> {
+    fn read(propagation: Propagation, setup: Arc<Setup>, request: &Request, control: &mut Control) -> Result<Self> {
         let mut problem = Self::unasked(propagation, setup);
         problem.replace(None, request)?;
         problem.measure(control)?;
@@ -146,7 +125,7 @@ impl Problem {
     /// # Errors
     /// The errors of [`crate::Model::propagation`] and [`Problem::with_propagation`], and points for a propagation matrix G
     /// that the user gave. After an error the problem is lost.
-    pub fn renewed(mut self, points: Option<&[[f64; 3]]>, request: &Request) -> Result<Self, Error> {
+    pub fn renewed(mut self, points: Option<&[[f64; 3]]>, request: &Request) -> Result<Self> {
         self.replace(points, request)?;
         self.measure(&mut Control::none())?;
         Ok(self)
@@ -173,7 +152,7 @@ impl Problem {
     }
 
     /// Reads other points and another request. [`Problem::measure`] must follow.
-    pub(crate) fn replace(&mut self, points: Option<&[[f64; 3]]>, request: &Request) -> Result<(), Error> {
+    pub(crate) fn replace(&mut self, points: Option<&[[f64; 3]]>, request: &Request) -> Result<()> {
         let targets = Arc::make_mut(&mut self.targets);
         if let Some(points) = points {
             targets.propagation.carry(points)?;
@@ -184,13 +163,13 @@ impl Problem {
     }
 
     /// Computes the sums of |G| at the points, and then the targets.
-    pub(crate) fn measure(&mut self, control: &mut Control) -> Result<(), Error> {
+    pub(crate) fn measure(&mut self, control: &mut Control) -> Result<()> {
         self.sum_moduli(control)?;
         self.balance_targets()
     }
 
     /// Computes the sums of |G| at the points of weight above 0.
-    pub(crate) fn sum_moduli(&mut self, control: &mut Control) -> Result<(), Error> {
+    pub(crate) fn sum_moduli(&mut self, control: &mut Control) -> Result<()> {
         let propagation = self.selected.as_ref().unwrap_or(&self.targets.propagation);
         // The error names a point by its index among the selected points; callers know the index among all points.
         propagation.reach(&mut self.reach, Some(&mut self.amplitudes), control).map_err(|error| match error.index {
@@ -207,7 +186,7 @@ impl Problem {
     }
 
     /// Computes the balanced level from the sums of |G|, and the targets in units of the reference.
-    pub(crate) fn balance_targets(&mut self) -> Result<(), Error> {
+    pub(crate) fn balance_targets(&mut self) -> Result<()> {
         Arc::make_mut(&mut self.targets).balance(&self.reach)?;
         self.scaled.clear();
         self.scaled.resize(self.propagation().lanes(), 0.0);
@@ -219,13 +198,13 @@ impl Problem {
     ///
     /// # Errors
     /// A drive or phases of another length, a value that is not finite, |q| above 1 + 1e-6.
-    pub fn with_start(mut self, start: Start) -> Result<Self, Error> {
+    pub fn with_start(mut self, start: Start) -> Result<Self> {
         self.begin(start)?;
         Ok(self)
     }
 
     /// Sets the start, as [`Problem::with_start`] does.
-    pub(crate) fn begin(&mut self, mut start: Start) -> Result<(), Error> {
+    pub(crate) fn begin(&mut self, mut start: Start) -> Result<()> {
         match &mut start {
             Start::Drive(drive) => {
                 if let Cow::Owned(columns) = self.setup().columns(drive, self.propagation().transducers())? {
@@ -259,21 +238,6 @@ impl Problem {
         self.aim.unwrap_or(if self.targets.given { Aim::Target } else { Aim::Max })
     }
 
-    /// Whether pressures are requested in Pa, not only their ratios.
-    pub(crate) fn holds_pressures(&self) -> bool {
-        self.targets.given && self.aim.unwrap_or(Aim::Target) == Aim::Target
-    }
-
-    /// Whether there are traps of pressure 0 beside foci that have a pressure: such traps are as stiff as possible.
-    pub(crate) fn frees_traps(&self) -> bool {
-        self.targets.frees_traps()
-    }
-
-    /// Whether a start was given, as a drive or as phases at the points.
-    pub(crate) fn has_start(&self) -> bool {
-        self.start.is_some()
-    }
-
     /// The drive to start from, one value for each column of the propagation matrix G; `None` if none was given.
     pub fn start_drive(&self) -> Option<&[Complex32]> {
         match self.start.as_deref() {
@@ -290,81 +254,68 @@ impl Problem {
         }
     }
 
-    /// Whether the caller gave pressures.
-    pub(crate) fn asks_pressures(&self) -> bool {
-        self.targets.given
-    }
-
     /// Returns the memory of a prepared problem to the workspace.
     pub(crate) fn recycle(self, work: &Workspace) {
         work.floats.give(self.scaled);
     }
+}
+
+getters! {
+    Problem:
+
+    /// Whether pressures are requested in Pa, not only their ratios.
+    pub(crate) holds_pressures(self) -> bool = self.targets.given && self.aim.unwrap_or(Aim::Target) == Aim::Target;
+
+    /// Whether there are traps of pressure 0 beside foci that have a pressure: such traps are as stiff as possible.
+    pub(crate) frees_traps(self) -> bool = self.targets.frees_traps();
+
+    /// Whether a start was given, as a drive or as phases at the points.
+    pub(crate) has_start(self) -> bool = self.start.is_some();
+
+    /// Whether the caller gave pressures.
+    pub(crate) asks_pressures(self) -> bool = self.targets.given;
 
     /// The propagation matrix G at the points of weight above 0.
-    pub fn propagation(&self) -> &Propagation {
-        self.selected.as_ref().unwrap_or(&self.targets.propagation)
-    }
+    pub propagation(self) -> &Propagation = self.selected.as_ref().unwrap_or(&self.targets.propagation);
 
     /// The rows of the propagation matrix G in the form that the kernels of a sweep read.
-    pub(crate) fn rows(&self) -> Rows<'_> {
-        self.propagation().rows_of(&self.amplitudes)
-    }
+    pub(crate) rows(self) -> Rows<'_> = self.propagation().rows_of(&self.amplitudes);
 
     /// The propagation matrix G at the points of weight above 0, before any row was multiplied by a power of two for the range
     /// of f32.
-    pub fn plain_propagation(&self) -> &Propagation {
-        self.plain.as_ref().unwrap_or_else(|| self.propagation())
-    }
+    pub plain_propagation(self) -> &Propagation = self.plain.as_ref().unwrap_or_else(|| self.propagation());
 
     /// Targets |p_j| of the points of weight above 0, in units of the reference, padded with zeros.
-    pub fn targets(&self) -> &[f32] {
-        &self.scaled
-    }
+    pub targets(self) -> &[f32] = &self.scaled;
 
     /// Targets |p_j| of the points of weight above 0 in Pa, at the balanced level if that was requested.
-    pub fn active_targets_in_pascals(&self) -> impl Iterator<Item = f64> + '_ {
-        self.targets.active.iter().map(|&j| self.targets.target(j) * self.factor)
-    }
+    pub active_targets_in_pascals(self) -> impl Iterator<Item = f64> + '_ =
+        self.targets.active.iter().map(|&j| self.targets.target(j) * self.factor);
 
     /// Weights of the points of weight above 0, divided by the largest, padded with zeros.
-    pub fn weights(&self) -> &[f32] {
-        &self.targets.relative_weights
-    }
+    pub weights(self) -> &[f32] = &self.targets.relative_weights;
 
     /// The setup of the array: medium, quantization, positions, channels.
-    pub fn setup(&self) -> &Setup {
-        &self.targets.setup
-    }
+    pub setup(self) -> &Setup = &self.targets.setup;
 
     /// The phases and amplitudes that the board can play; `None` for any drive.
-    pub fn quantization(&self) -> Option<&Quantization> {
-        self.targets.setup.quantization.as_deref()
-    }
+    pub quantization(self) -> Option<&Quantization> = self.targets.setup.quantization.as_deref();
 
     /// Targets (M,) of all points in Pa, as the caller gave them or at the balanced level.
-    pub fn targets_in_pascals(&self) -> &[f64] {
-        &self.targets.pascals
-    }
+    pub targets_in_pascals(self) -> &[f64] = &self.targets.pascals;
 
     /// Weights (M,) of all points, as the caller gave them.
-    pub fn point_weights(&self) -> &[f64] {
-        &self.targets.weights
-    }
+    pub point_weights(self) -> &[f64] = &self.targets.weights;
 
     /// The factor s that scales the targets to the balanced level: `sum_j (s target_j / p1_j)^2 = 1` with
     /// `p1_j = sum_i |G_ji|`. It is 1 if no pressures were given.
-    pub fn balance(&self) -> f64 {
-        self.targets.balance
-    }
+    pub balance(self) -> f64 = self.targets.balance;
 
     /// The indices of the points with a pressure and a weight above 0.
-    pub(crate) fn targeted(&self) -> Vec<usize> {
-        self.targets.active.iter().copied().filter(|&j| self.targets.pascals[j] > 0.0).collect()
-    }
+    pub(crate) targeted(self) -> Vec<usize> =
+        self.targets.active.iter().copied().filter(|&j| self.targets.pascals[j] > 0.0).collect();
 
     /// Whether every given target is below half the balanced level. Without balancing, greedy then gives all transducers the
     /// same drive, which smears such weak foci (Suzuki et al. 2021, section V).
-    pub fn is_weak(&self) -> bool {
-        self.targets.given && self.targets.balance > 2.0
-    }
+    pub is_weak(self) -> bool = self.targets.given && self.targets.balance > 2.0;
 }

@@ -15,12 +15,10 @@
 //! the box.
 
 use core::cmp::Ordering;
-use core::f64::consts::PI;
 
-use crate::control::bytes;
 use crate::kernels::InstructionSet;
 use crate::kernels::double::{self, MOST_ROWS};
-use crate::math::{cos, sin, sqrt};
+use crate::math::{cos, sin};
 use crate::prelude::*;
 use crate::workspace::{Buffer, Workspace};
 
@@ -86,7 +84,7 @@ pub(crate) fn search(
     effort: Effort,
     work: &Workspace,
     control: &mut Control,
-) -> Result<Optimum, Error> {
+) -> Result<Optimum> {
     let lanes = re.len() / points;
     let taken = bytes(8, &[lanes, points, points]).saturating_add(bytes(16, &[BOX, effort.boxes]));
     control.room("the phases of the points", [lanes, points], taken)?;
@@ -131,7 +129,7 @@ struct Torus<'w> {
 }
 
 impl Torus<'_> {
-    fn branch(&mut self, most: usize, work: &Workspace, control: &mut Control) -> Result<(), Error> {
+    fn branch(&mut self, most: usize, work: &Workspace, control: &mut Control) -> Result<()> {
         let points = self.points;
         let mut count = CUT.pow(points as u32 - 1);
         let [mut boxes, mut next] = [(); 2].map(|()| work.doubles.take(BOX * most.max(count)));
@@ -175,7 +173,7 @@ impl Torus<'_> {
     }
 
     /// Improves the phases of the best level by steps that become shorter, as long as the level rises.
-    fn settle(&mut self, control: &mut Control) -> Result<(), Error> {
+    fn settle(&mut self, control: &mut Control) -> Result<()> {
         let mut step = PI / 32.0;
         (self.half, self.gap) = ([0.0; MOST], 0.0);
         while step > SETTLED {
@@ -196,7 +194,7 @@ impl Torus<'_> {
     }
 
     /// Lowers the certificate of a box by better weights. Stores its middle as the best if it has the highest level.
-    fn measure(&mut self, region: &mut [f64; BOX], control: &mut Control) -> Result<(), Error> {
+    fn measure(&mut self, region: &mut [f64; BOX], control: &mut Control) -> Result<()> {
         let points = self.points;
         let phases: [f64; MOST] = region[1..=MOST].try_into().expect("a phase each");
         let mut weights: [f64; MOST] = region[1 + MOST..].try_into().expect("a weight each");
@@ -251,7 +249,7 @@ impl Torus<'_> {
 
     /// Returns the weights that minimise the certificate in the middle: A w = 1 over the weights that are not negative, scaled
     /// to the sum 1. Returns `None` if the equations are singular.
-    fn reweighted(&self, matrix: &[f64; SIDE * SIDE], control: &mut Control) -> Result<Option<[f64; MOST]>, Error> {
+    fn reweighted(&self, matrix: &[f64; SIDE * SIDE], control: &mut Control) -> Result<Option<[f64; MOST]>> {
         let (points, mut among) = (self.points, [true; MOST]);
         let mean = (0..points).map(|j| matrix[j * SIDE + j]).sum::<f64>() / points as f64;
         for _ in 0..points {

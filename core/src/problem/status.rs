@@ -1,7 +1,5 @@
 //! Status: how a solve ended.
 
-use core::fmt;
-
 use crate::prelude::*;
 
 /// How a solve ended. It is part of the result, never an error. C and JavaScript get its number.
@@ -36,7 +34,7 @@ impl Status {
     ///
     /// # Errors
     /// An unknown name.
-    pub fn named(name: &str) -> Result<Self, Error> {
+    pub fn named(name: &str) -> Result<Self> {
         let status = Self::ALL.into_iter().find(|status| status.name() == name);
         status.ok_or_else(|| Error::unknown("status", name, Self::ALL.map(Self::name)))
     }

@@ -18,7 +18,6 @@
 //! level gain weight. d_i is the length by which the vector of transducer i is normalised.
 
 use crate::kernels::double::SPAN;
-use crate::math::sqrt;
 use crate::prelude::*;
 use crate::problem::Problem;
 use crate::problem::optimum::{self, Effort, ROUNDING};
@@ -59,7 +58,7 @@ type Lanes = [Complex64; RANK];
 ///
 /// # Errors
 /// A stop by the caller.
-pub fn bound(problem: &Problem, control: &mut Control) -> Result<f64, Error> {
+pub fn bound(problem: &Problem, control: &mut Control) -> Result<f64> {
     let rows = Rows::new(problem, MOST_POINTS, control)?;
     if rows.count() == 0 {
         return Ok(0.0);
@@ -112,7 +111,7 @@ pub fn bound(problem: &Problem, control: &mut Control) -> Result<f64, Error> {
 ///
 /// # Errors
 /// A stop by the caller.
-pub(crate) fn rough_bound(problem: &Problem, control: &mut Control) -> Result<f64, Error> {
+pub(crate) fn rough_bound(problem: &Problem, control: &mut Control) -> Result<f64> {
     let rows = Rows::new(problem, MOST_POINTS, control)?;
     let share: Vec<f64> = rows.iter().map(|row| sqrt(row.iter().map(Complex64::norm_sqr).sum::<f64>())).collect();
     rows.certificate(&vec![1.0 / rows.points as f64; rows.points], &share, control)
@@ -149,7 +148,7 @@ struct Rows {
 impl Rows {
     /// Returns the rows for at most `most` points, evenly chosen in their order. A bound for some of the points is a
     /// bound for all, because the level of some points is at least the level of all.
-    fn new(problem: &Problem, most: usize, control: &mut Control) -> Result<Self, Error> {
+    fn new(problem: &Problem, most: usize, control: &mut Control) -> Result<Self> {
         let (propagation, mut targeted) = (&problem.targets.propagation, problem.targeted());
         let all = targeted.len();
         targeted = (0..all.min(most)).map(|k| targeted[k * all / all.min(most)]).collect();
@@ -187,7 +186,7 @@ impl Rows {
     }
 
     /// Returns P_j = `sum_i h_ji v_i` for the unit vectors v_i.
-    fn field(&self, units: &[Lanes], control: &mut Control) -> Result<Vec<Lanes>, Error> {
+    fn field(&self, units: &[Lanes], control: &mut Control) -> Result<Vec<Lanes>> {
         let mut field = vec![[Complex64::ZERO; RANK]; self.points];
         for (row, unit) in self.iter().zip(units) {
             control.pulse()?;
@@ -199,13 +198,7 @@ impl Rows {
     }
 
     /// Computes v_i = y_i/|y_i| with y_i = `sum_j conj(h_ji) w_j P_j`; |y_i| becomes the share of transducer i.
-    fn back(
-        &self,
-        weighted: &[Lanes],
-        units: &mut [Lanes],
-        share: &mut [f64],
-        control: &mut Control,
-    ) -> Result<(), Error> {
+    fn back(&self, weighted: &[Lanes], units: &mut [Lanes], share: &mut [f64], control: &mut Control) -> Result<()> {
         for ((row, unit), share) in self.iter().zip(units).zip(share) {
             control.pulse()?;
             let mut sum = [Complex64::ZERO; RANK];
@@ -221,7 +214,7 @@ impl Rows {
     }
 
     /// The bound on s that weights w and shares d prove: sqrt(lambda `sum_i d_i`).
-    fn certificate(&self, weights: &[f64], share: &[f64], control: &mut Control) -> Result<f64, Error> {
+    fn certificate(&self, weights: &[f64], share: &[f64], control: &mut Control) -> Result<f64> {
         // Any d_i > 0 is allowed, but one near 0 would make lambda huge.
         let floor = 1e-6 * share.iter().copied().fold(0.0, f64::max);
         let roots: Vec<f64> = weights.iter().copied().map(sqrt).collect();
@@ -247,7 +240,7 @@ impl Rows {
 
 /// Returns an upper bound, accurate to 1e-6, on the largest eigenvalue of a Hermitian positive semidefinite matrix A; only its
 /// lower half is read. It is the least x found for which x - A has a Cholesky factor.
-fn largest_eigenvalue(matrix: &[Complex64], size: usize, control: &mut Control) -> Result<f64, Error> {
+fn largest_eigenvalue(matrix: &[Complex64], size: usize, control: &mut Control) -> Result<f64> {
     let entry = |j: usize, k: usize| if k <= j { matrix[j * size + k] } else { matrix[k * size + j] };
     let row = |j: usize| (0..size).map(|k| entry(j, k).norm()).sum::<f64>();
     // NaN must stay NaN.
@@ -269,7 +262,7 @@ fn is_positive(
     x: f64,
     factor: &mut [Complex64],
     control: &mut Control,
-) -> Result<bool, Error> {
+) -> Result<bool> {
     for j in 0..size {
         control.pulse()?;
         for k in 0..=j {

@@ -1,6 +1,5 @@
 //! Dense: the whole matrix G, computed for some points at a time.
 
-use crate::control::bytes;
 use crate::prelude::*;
 use crate::propagation::Propagation;
 
@@ -13,7 +12,7 @@ impl Propagation {
     ///
     /// # Errors
     /// A point on a transducer; more memory than allowed; a stop by the caller.
-    pub fn matrix(&self, control: &mut Control) -> Result<Vec<Complex32>, Error> {
+    pub fn matrix(&self, control: &mut Control) -> Result<Vec<Complex32>> {
         let n = self.transducers();
         control.room("the matrix G", [n, self.count], bytes(8, &[n, self.count]))?;
         self.reach(&mut Vec::new(), None, control)?;

@@ -1,13 +1,11 @@
 //! Field p = G q of a drive: at any points over all threads, and at the points of a problem.
 
-use crate::control::bytes;
 use crate::kernels;
 use crate::kernels::{ControlPoints, InstructionSet, Rows, padded};
 use crate::linalg::Planar;
 use crate::prelude::*;
-use crate::propagation::Propagation;
-use crate::propagation::model::Model;
 use crate::propagation::scattering::bodies::Bodies;
+use crate::propagation::{Model, Propagation};
 use crate::scene::{check_drive, check_places};
 use crate::workspace::Workspace;
 
@@ -36,17 +34,10 @@ const STRETCH: usize = 1 << 21;
 /// assert!((pressure[4].norm() - 4.386 / 0.1).abs() < 1e-4);
 /// # Ok::<(), midair::Error>(())
 /// ```
-pub fn field(
-    model: &Model,
-    drive: &[Complex32],
-    points: &[[f64; 3]],
-    control: &mut Control,
-) -> Result<Vec<Complex32>, Error> {
+pub fn field(model: &Model, drive: &[Complex32], points: &[[f64; 3]], control: &mut Control) -> Result<Vec<Complex32>> {
     let (array, medium) = (model.array(), model.medium());
     check_drive(drive, array.len())?;
-    if points.is_empty() {
-        return Err(Error::missing("field points", "empty", "give at least one point"));
-    }
+    refuse_if!(points.is_empty(), Error::missing("field points", "empty", "give at least one point"));
     check_places(array.centre(), medium, "field points", "", points)?;
     if let Some(scattering) = &model.scattering {
         scattering.check()?;
@@ -66,9 +57,7 @@ pub fn field(
             let chunks = out.chunks_mut(CHUNK).zip(points.chunks(CHUNK));
             chunks.into_iter().try_for_each(|(out, points)| chunk(model, drive, bodies, points, out, control))
         })?;
-        if control.step(step + 1, steps, || 0.0).is_break() {
-            return Err(Error::stopped());
-        }
+        refuse_if!(control.step(step + 1, steps, || 0.0).is_break(), Error::stopped());
     }
     Ok(pressures)
 }
@@ -105,13 +94,11 @@ impl FieldMatrix {
     /// }
     /// # Ok::<(), midair::Error>(())
     /// ```
-    pub fn new(model: &Model, points: &[[f64; 3]], control: &mut Control) -> Result<Self, Error> {
+    pub fn new(model: &Model, points: &[[f64; 3]], control: &mut Control) -> Result<Self> {
         if model.scattering.is_some() {
             return Err(Error::conflict("obstacles", "given", "ask for the field of each drive"));
         }
-        if points.is_empty() {
-            return Err(Error::missing("field points", "empty", "give at least one point"));
-        }
+        refuse_if!(points.is_empty(), Error::missing("field points", "empty", "give at least one point"));
         let (array, set) = (model.array(), model.set);
         check_places(array.centre(), model.medium(), "field points", "", points)?;
         let propagation = Propagation::at(Arc::clone(&model.sources), points.into(), set);
@@ -130,7 +117,7 @@ impl FieldMatrix {
     ///
     /// # Errors
     /// A drive that does not fit the array; a stop by the caller.
-    pub fn field(&self, drive: &[Complex32], control: &mut Control) -> Result<Vec<Complex32>, Error> {
+    pub fn field(&self, drive: &[Complex32], control: &mut Control) -> Result<Vec<Complex32>> {
         check_drive(drive, self.transducers)?;
         let [all_re, all_im] = &self.planes;
         let lanes = all_re.len() / self.transducers;
@@ -150,7 +137,7 @@ fn chunk(
     points: &[[f64; 3]],
     out: &mut [Complex32],
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     let [mut re, mut im] = [(); 2].map(|()| vec![0.0; padded(points.len())]);
     let images = model.scattering.as_ref().map_or(&[][..], |scattering| &scattering.images);
     for sources in core::iter::once(&*model.sources).chain(images) {
@@ -184,7 +171,7 @@ pub(crate) fn field_of<'w>(
     drive: &[Complex32],
     work: &'w Workspace,
     control: &mut Control,
-) -> Result<Planar<'w>, Error> {
+) -> Result<Planar<'w>> {
     let mut field = Planar::zeros(1, propagation.lanes(), work);
     let into = [&mut field.re[..], &mut field.im[..]];
     kernels::add_waves(propagation.instruction_set(), propagation.rows(), drive, into, control)?;

@@ -13,8 +13,6 @@
 //! degree 13. Derivatives up to the fourth need the orders l up to 4. The rule separates these orders from all others
 //! below 10. r^l P_l(s . x/r) is a polynomial in x.
 
-use core::f64::consts::{PI, TAU};
-
 use crate::prelude::*;
 use crate::propagation::jet::{Jet, TERMS};
 use crate::propagation::scattering::sphere::gauss;

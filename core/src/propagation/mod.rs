@@ -21,7 +21,6 @@ pub(crate) use sources::Sources;
 pub(crate) use strips::Strips;
 
 use crate::device::channels::Channels;
-use crate::error::one_each;
 use crate::kernels::propagate::rows;
 use crate::kernels::{self, ControlPoints, InstructionSet, Row, padded};
 use crate::prelude::*;
@@ -91,14 +90,14 @@ impl Propagation {
     }
 
     /// Returns a stored propagation matrix G at points that have been checked. Columns that are `known` are not computed again.
-    pub(crate) fn from_recipe(recipe: Recipe, known: Known<'_>, set: InstructionSet) -> Result<Self, Error> {
+    pub(crate) fn from_recipe(recipe: Recipe, known: Known<'_>, set: InstructionSet) -> Result<Self> {
         let (count, reference) = (recipe.points.len(), recipe.sources.reference());
         Ok(Self::stored((recipe.make.matrix)(&recipe, known)?, count, reference, set, Some(recipe.into())))
     }
 
     /// Returns the propagation matrix G with one column for each channel: the sum of its transducers' columns. A user's own
     /// matrix has such columns already.
-    pub(crate) fn driven(self, channels: Option<&Channels>) -> Result<Self, Error> {
+    pub(crate) fn driven(self, channels: Option<&Channels>) -> Result<Self> {
         let Some(channels) = channels else { return Ok(self) };
         let mut recipe = match &self.rows {
             Rows::Computed { sources, points, .. } => Recipe {
@@ -126,16 +125,11 @@ impl Propagation {
         Self { set, ..self }
     }
 
-    /// The instruction set that the kernels use.
-    pub fn instruction_set(&self) -> InstructionSet {
-        self.set
-    }
-
     /// Returns a user's own propagation matrix G (M, N) in Pa, given point by point.
     ///
     /// # Errors
     /// No entries, a length that is no multiple of `points`, an entry that is not finite (named by [j, i]).
-    pub fn from_matrix(matrix: &[Complex64], points: usize) -> Result<Self, Error> {
+    pub fn from_matrix(matrix: &[Complex64], points: usize) -> Result<Self> {
         if matrix.is_empty() || points == 0 || !matrix.len().is_multiple_of(points) {
             let value = format!("{} entries for {points} points", matrix.len());
             return Err(Error::invalid("propagation", value, "give an (M, N) matrix with M and N at least 1"));
@@ -184,7 +178,7 @@ impl Propagation {
     ///
     /// # Errors
     /// Another number of entries than transducers, a propagation matrix G that is computed from an array.
-    pub fn with_mask(mut self, mask: &[bool]) -> Result<Self, Error> {
+    pub fn with_mask(mut self, mask: &[bool]) -> Result<Self> {
         let Rows::Stored { matrix, planar, recipe: None, .. } = &mut self.rows else {
             return Err(Error::conflict("mask", "given", "an array has its own: give it there"));
         };
@@ -208,16 +202,6 @@ impl Propagation {
         }
     }
 
-    /// The number of points M.
-    pub fn points(&self) -> usize {
-        self.count
-    }
-
-    /// The length of a row: M rounded up to a multiple of 16.
-    pub fn lanes(&self) -> usize {
-        padded(self.count)
-    }
-
     /// The unit of the rows in Pa: 1000 P0, or the mean modulus of a user's own propagation matrix G.
     pub fn reference(&self) -> f64 {
         match &self.rows {
@@ -232,17 +216,6 @@ impl Propagation {
             Rows::Computed { sources, points, .. } => Some((&sources.array, points, None)),
             Rows::Stored { recipe, .. } => recipe.as_ref().map(|r| (&r.sources.array, &*r.points, Some(&**r))),
         }
-    }
-
-    /// The signature of the points, if they have one.
-    pub(crate) fn signature(&self) -> Option<&Signature> {
-        self.origin()?.2?.signature.as_ref()
-    }
-
-    /// The points (M, 3) in m; `None` for a user's own matrix.
-    #[must_use]
-    pub fn control_points(&self) -> Option<&[[f64; 3]]> {
-        self.origin().map(|(_, points, _)| points)
     }
 
     /// The cure in the error for a point that no transducer reaches.
@@ -298,7 +271,7 @@ impl Propagation {
     }
 
     /// Replaces the points. The memory is reused unless another propagation matrix G shares it.
-    pub(crate) fn carry(&mut self, points: &[[f64; 3]]) -> Result<(), Error> {
+    pub(crate) fn carry(&mut self, points: &[[f64; 3]]) -> Result<()> {
         let (sources, frame, old) = match &mut self.rows {
             Rows::Computed { sources, frame, points } => (sources, frame, points),
             Rows::Stored { recipe: Some(recipe), matrix, .. } => {
@@ -357,4 +330,24 @@ impl Propagation {
     fn padded_points<'a>(&self, frame: &'a [Vec<f32>; 3]) -> ControlPoints<'a> {
         ControlPoints { coordinates: [&frame[0], &frame[1], &frame[2]], count: self.count }
     }
+}
+
+getters! {
+    Propagation:
+
+    /// The instruction set that the kernels use.
+    pub instruction_set(self) -> InstructionSet = self.set;
+
+    /// The number of points M.
+    pub points(self) -> usize = self.count;
+
+    /// The length of a row: M rounded up to a multiple of 16.
+    pub lanes(self) -> usize = padded(self.count);
+
+    /// The signature of the points, if they have one.
+    pub(crate) signature(self) -> Option<&Signature> = self.origin()?.2?.signature.as_ref();
+
+    /// The points (M, 3) in m; `None` for a user's own matrix.
+    #[must_use]
+    pub control_points(self) -> Option<&[[f64; 3]]> = self.origin().map(|(_, points, _)| points);
 }

@@ -3,12 +3,10 @@
 use crate::device::channels::Channels;
 use crate::kernels::InstructionSet;
 use crate::prelude::*;
-use crate::propagation::Propagation;
 use crate::propagation::recipe::{Known, Make, Recipe};
 use crate::propagation::scattering::Scattering;
 use crate::propagation::scattering::bodies::Bodies;
-use crate::propagation::scattering::boundary::Boundary;
-use crate::propagation::sources::Sources;
+use crate::propagation::{Boundary, Propagation, Sources};
 use crate::scene::{Array, Bead, Medium, Obstacle, Obstacles, Scene, Signature, check_array};
 
 /// An array in a medium, prepared once to compute the propagation matrix G and fields for points that change.
@@ -39,7 +37,7 @@ impl Model {
     ///
     /// # Errors
     /// The errors of [`Scene::new`]: a medium out of range, a beam too narrow or a transducer too far away for f32 phases.
-    pub fn new(array: &Array, medium: Medium, set: InstructionSet) -> Result<Self, Error> {
+    pub fn new(array: &Array, medium: Medium, set: InstructionSet) -> Result<Self> {
         check_array(array, medium)?;
         let (sources, bead) = (Arc::new(Sources::new(array, medium)), Bead::default());
         Self { sources, set, scattering: None, signature: None, bead, rows_follow: false, make: None }
@@ -78,7 +76,7 @@ impl Model {
     /// assert!((own / alone - 2.0).norm() < 1e-12);
     /// # Ok::<(), midair::Error>(())
     /// ```
-    pub fn with_obstacles(self, obstacles: &[Obstacle]) -> Result<Self, Error> {
+    pub fn with_obstacles(self, obstacles: &[Obstacle]) -> Result<Self> {
         self.with_obstacles_watched(obstacles, &mut Control::none())
     }
 
@@ -87,7 +85,7 @@ impl Model {
     ///
     /// # Errors
     /// The errors of [`Model::with_obstacles`]; a stop by the caller.
-    pub fn with_obstacles_watched(self, obstacles: &[Obstacle], control: &mut Control) -> Result<Self, Error> {
+    pub fn with_obstacles_watched(self, obstacles: &[Obstacle], control: &mut Control) -> Result<Self> {
         let checked = Obstacles::new(obstacles.to_vec(), self.array(), self.medium())?;
         self.scattered(&checked, control)
     }
@@ -97,7 +95,7 @@ impl Model {
     ///
     /// # Errors
     /// A boundary of another array or medium, another number of values than E times N, a value that is not finite.
-    pub fn with_sound(self, boundary: Arc<Boundary>, sound: &[Complex32]) -> Result<Self, Error> {
+    pub fn with_sound(self, boundary: Arc<Boundary>, sound: &[Complex32]) -> Result<Self> {
         if !boundary.fits(self.array(), self.medium()) {
             let cure = "make it of the model's own array and medium";
             return Err(Error::invalid("boundary", "of another array or medium", cure));
@@ -108,7 +106,7 @@ impl Model {
         Ok(Self { scattering: Some(Arc::new(scattering)), make: Some(Recipe::MAKE), ..self })
     }
 
-    fn scattered(mut self, obstacles: &Obstacles, control: &mut Control) -> Result<Self, Error> {
+    fn scattered(mut self, obstacles: &Obstacles, control: &mut Control) -> Result<Self> {
         self.scattering = None;
         self.make = self.signature.as_ref().and(self.make);
         if !obstacles.is_empty() || self.array().reflecting() > 0.0 {
@@ -116,11 +114,6 @@ impl Model {
             self.make = Some(Recipe::MAKE);
         }
         Ok(self)
-    }
-
-    /// The obstacles that change the waves; empty without obstacles.
-    pub fn obstacles(&self) -> &[Obstacle] {
-        self.scattering.as_ref().map_or(&[], |scattering| scattering.obstacles.list())
     }
 
     /// Returns a copy of this model with a signature. Only solvers use it: the field of a drive is that of the array itself.
@@ -145,17 +138,12 @@ impl Model {
         Self { bead, ..self }
     }
 
-    /// The bead that traps are made for.
-    pub fn bead(&self) -> Bead {
-        self.bead
-    }
-
     /// Returns the propagation matrix G at `points` (M, 3) in m, multiplied by the factors of the signature if there is one.
     ///
     /// # Errors
     /// No point, a coordinate that is not finite or too far away; a point inside an obstacle; factors that do not fit; with a
     /// signature or obstacles, more than 2^20 entries (fewer if there are many images).
-    pub fn propagation(&self, points: &[[f64; 3]]) -> Result<Propagation, Error> {
+    pub fn propagation(&self, points: &[[f64; 3]]) -> Result<Propagation> {
         self.columns(points, None)
     }
 
@@ -164,11 +152,11 @@ impl Model {
     ///
     /// # Errors
     /// The errors of [`Model::propagation`], and more than 2^20 entries (N, M) with channels.
-    pub(crate) fn driven(&self, points: &[[f64; 3]]) -> Result<Propagation, Error> {
+    pub(crate) fn driven(&self, points: &[[f64; 3]]) -> Result<Propagation> {
         self.columns(points, self.array().wiring().cloned())
     }
 
-    fn columns(&self, points: &[[f64; 3]], channels: Option<Channels>) -> Result<Propagation, Error> {
+    fn columns(&self, points: &[[f64; 3]], channels: Option<Channels>) -> Result<Propagation> {
         self.sources.check_points(points)?;
         let sources = Arc::clone(&self.sources);
         let Some(make) = self.make.or(channels.as_ref().map(|_| Recipe::BARE)) else {
@@ -182,28 +170,31 @@ impl Model {
         Propagation::from_recipe(recipe, Known::default(), self.set)
     }
 
-    /// The bytes of a stored propagation matrix G for each point, in f64 and f32; 0 if G is computed when needed.
-    pub(crate) fn bytes_a_point(&self) -> usize {
-        if self.make.is_some() || self.array().wiring().is_some() { 24 * self.array().len() } else { 0 }
-    }
-
     /// Checks that a point is not inside an obstacle; `name` makes its name for the error.
-    pub(crate) fn check_point(&self, point: [f64; 3], name: impl FnOnce() -> String) -> Result<(), Error> {
+    pub(crate) fn check_point(&self, point: [f64; 3], name: impl FnOnce() -> String) -> Result<()> {
         self.scattering.as_ref().map_or(Ok(()), |scattering| scattering.obstacles.check_point(point, name))
     }
+}
+
+getters! {
+    Model:
+
+    /// The obstacles that change the waves; empty without obstacles.
+    pub obstacles(self) -> &[Obstacle] = self.scattering.as_ref().map_or(&[], |scattering| scattering.obstacles.list());
+
+    /// The bead that traps are made for.
+    pub bead(self) -> Bead = self.bead;
+
+    /// The bytes of a stored propagation matrix G for each point, in f64 and f32; 0 if G is computed when needed.
+    pub(crate) bytes_a_point(self) -> usize =
+        if self.make.is_some() || self.array().wiring().is_some() { 24 * self.array().len() } else { 0 };
 
     /// The array whose waves this model computes.
-    pub fn array(&self) -> &Array {
-        &self.sources.array
-    }
+    pub array(self) -> &Array = &self.sources.array;
 
     /// The signature, which turns foci into traps for solvers; `None` for plain foci.
-    pub fn signature(&self) -> Option<&Signature> {
-        self.signature.as_ref()
-    }
+    pub signature(self) -> Option<&Signature> = self.signature.as_ref();
 
     /// The medium in which the waves propagate.
-    pub fn medium(&self) -> Medium {
-        self.sources.medium
-    }
+    pub medium(self) -> Medium = self.sources.medium;
 }

@@ -4,8 +4,7 @@ use crate::kernels::lanes::Line;
 use crate::kernels::propagate::rows;
 use crate::kernels::{self, LANES, Run};
 use crate::prelude::*;
-use crate::propagation::sources::Sources;
-use crate::propagation::{Propagation, Rows};
+use crate::propagation::{Propagation, Rows, Sources};
 
 /// The square of slightly more than a hundredth of a wavelength, in square wavelengths. Squared distances in f32
 /// below it are checked again in f64.
@@ -36,7 +35,7 @@ impl Propagation {
         reach: &mut Vec<f64>,
         amplitudes: Option<&mut Amplitudes>,
         control: &mut Control,
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         reach.clear();
         reach.resize(self.count, 0.0);
         let amplitudes = match amplitudes {

@@ -13,7 +13,7 @@ use crate::scene::{Bead, Signature};
 const MOST_ENTRIES: usize = 1 << 20;
 
 /// The propagation matrix G column by column, or the error that prevents it.
-pub(crate) type Matrix = Result<Arc<[Complex64]>, Error>;
+pub(crate) type Matrix = Result<Arc<[Complex64]>>;
 
 /// The points and the entries of an earlier propagation matrix G that differs only in the points. Columns of points
 /// that have not moved are copied from it. Both lists are empty if there is no earlier matrix.
@@ -30,7 +30,7 @@ pub(crate) struct Make {
     /// Computes the propagation matrix G, by [`Recipe::matrix`].
     pub(crate) matrix: fn(&Recipe, Known<'_>) -> Matrix,
     /// Computes the stiffness of traps, by [`Recipe::stiffness`].
-    pub(crate) stiffness: fn(&Recipe, Bead, &mut Control) -> Result<Option<Stiffness>, Error>,
+    pub(crate) stiffness: fn(&Recipe, Bead, &mut Control) -> Result<Option<Stiffness>>,
 }
 
 /// The parameters of a stored propagation matrix G.
@@ -114,7 +114,7 @@ impl Recipe {
         waves: usize,
         why: &str,
         known: Known<'_>,
-        add: impl Fn(&[usize], &[[f64; 3]], &mut [Vec<Complex64>]) -> Result<(), Error>,
+        add: impl Fn(&[usize], &[[f64; 3]], &mut [Vec<Complex64>]) -> Result<()>,
     ) -> Matrix {
         let (transducers, count) = (self.sources.array.len(), self.points.len());
         let most = (8 * MOST_ENTRIES / waves.max(8) / transducers).max(1);
@@ -144,7 +144,7 @@ impl Recipe {
     ///
     /// # Errors
     /// More memory than allowed, a stop by the caller.
-    fn stiffness(&self, bead: Bead, control: &mut Control) -> Result<Option<Stiffness>, Error> {
+    fn stiffness(&self, bead: Bead, control: &mut Control) -> Result<Option<Stiffness>> {
         let trap = |j: &usize| self.signature.as_ref().is_some_and(|signature| signature.is_trap(*j));
         let (traps, foci): (Vec<usize>, _) = (0..self.points.len()).partition(trap);
         let (scattering, channels) = (self.scattering.as_deref(), self.channels.as_ref());

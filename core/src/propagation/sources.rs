@@ -1,6 +1,5 @@
 //! Sources: an array's transducers, prepared for the kernels, and their waves in f64 by eq. (5) of Suzuki et al. 2021.
 
-use crate::error::ErrorCode;
 use crate::kernels::{Radiation, Source, SourceList, padded};
 use crate::prelude::*;
 use crate::scene::{Array, Medium, check_places, distance};
@@ -31,7 +30,7 @@ impl Sources {
                 let (amplitude, turns) = if im == 0.0 && re >= 0.0 {
                     (unit * re, 0.0)
                 } else {
-                    (unit * math::hypot(re, im), math::atan2(im, re) / core::f64::consts::TAU)
+                    (unit * math::hypot(re, im), math::atan2(im, re) / TAU)
                 };
                 Source {
                     position: wavelengths(array.positions()[i], centre, wavelength),
@@ -76,10 +75,8 @@ impl Sources {
     }
 
     /// Checks that there are points, and that all are finite and near enough for phases in f32.
-    pub(crate) fn check_points(&self, points: &[[f64; 3]]) -> Result<(), Error> {
-        if points.is_empty() {
-            return Err(Error::missing("points", "empty", "give at least one point"));
-        }
+    pub(crate) fn check_points(&self, points: &[[f64; 3]]) -> Result<()> {
+        refuse_if!(points.is_empty(), Error::missing("points", "empty", "give at least one point"));
         check_places(self.centre, self.medium, "points", ".position", points)
     }
 
@@ -107,12 +104,12 @@ impl Sources {
     }
 
     /// Checks that no point is nearer to transducer `i` than a hundredth of the wavelength.
-    pub(crate) fn check_distances(&self, i: usize, points: &[[f64; 3]]) -> Result<(), Error> {
+    pub(crate) fn check_distances(&self, i: usize, points: &[[f64; 3]]) -> Result<()> {
         points.iter().enumerate().try_for_each(|(j, &point)| self.check_distance(i, j, point))
     }
 
     /// Checks that a point is not nearer to transducer `i` than a hundredth of the wavelength. Errors name it as point `j`.
-    pub(crate) fn check_distance(&self, i: usize, j: usize, point: [f64; 3]) -> Result<(), Error> {
+    pub(crate) fn check_distance(&self, i: usize, j: usize, point: [f64; 3]) -> Result<()> {
         let least = self.medium.wavelength() / 100.0;
         let distance = distance(self.array.positions()[i], point);
         if distance < least {

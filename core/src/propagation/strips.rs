@@ -5,14 +5,9 @@
 //! matrix G is computed again in each pass, [`STRIP`] transducers at a time. Memory stays O(M), and reading a stored G would
 //! take as long.
 
-use core::ops::Range;
-
-use crate::control::bytes;
 use crate::kernels::LANES;
-use crate::kernels::tiles::products;
-use crate::kernels::tiles::{self, Tiles};
+use crate::kernels::tiles::{self, Tiles, products};
 use crate::linalg::Planar;
-use crate::math::sqrtf;
 use crate::prelude::*;
 use crate::propagation::Propagation;
 use crate::workspace::{Aligned, Buffer, Workspace};
@@ -59,8 +54,8 @@ impl<'w> Strips<'w> {
     fn each(
         &mut self,
         control: &mut Control,
-        mut pass: impl FnMut(Range<usize>, Tiles<'_>, &mut Control) -> Result<(), Error>,
-    ) -> Result<(), Error> {
+        mut pass: impl FnMut(Range<usize>, Tiles<'_>, &mut Control) -> Result<()>,
+    ) -> Result<()> {
         let Self { propagation, order, planes: [re, im], strip, made, .. } = self;
         let (set, transducers) = (propagation.instruction_set(), propagation.transducers());
         for first in (0..transducers).step_by(*strip) {
@@ -83,7 +78,7 @@ impl<'w> Strips<'w> {
     }
 
     /// The sum sum_i |G_ji|^2 for each point.
-    pub(crate) fn powers(&mut self, control: &mut Control) -> Result<Buffer<'w, f32>, Error> {
+    pub(crate) fn powers(&mut self, control: &mut Control) -> Result<Buffer<'w, f32>> {
         let (set, work) = (self.propagation.instruction_set(), self.work);
         let mut powers = work.floats.take(self.order.len());
         let mut part = work.floats.take_any(self.order.len());
@@ -96,7 +91,7 @@ impl<'w> Strips<'w> {
     }
 
     /// The sum sum_j f_j |G_ji| for each transducer, with `factors` f.
-    pub(crate) fn moduli(&mut self, factors: &[f32], control: &mut Control) -> Result<Buffer<'w, f32>, Error> {
+    pub(crate) fn moduli(&mut self, factors: &[f32], control: &mut Control) -> Result<Buffer<'w, f32>> {
         let set = self.propagation.instruction_set();
         let mut moduli = self.work.floats.take_any(tiles::lanes(self.propagation.transducers()));
         self.each(control, |lanes, tiles, _| {
@@ -107,7 +102,7 @@ impl<'w> Strips<'w> {
     }
 
     /// Returns b_i = sum_j conj(G_ji) p_j for each transducer, with `phasors` p.
-    pub(crate) fn back_project(&mut self, phasors: &Planar, control: &mut Control) -> Result<Drives<'w>, Error> {
+    pub(crate) fn back_project(&mut self, phasors: &Planar, control: &mut Control) -> Result<Drives<'w>> {
         let set = self.propagation.instruction_set();
         let mut drives = self.drives();
         self.each(control, |lanes, tiles, _| {
@@ -119,7 +114,7 @@ impl<'w> Strips<'w> {
     }
 
     /// Returns the field p = G q of `drives` q: one padded row.
-    pub(crate) fn field(&mut self, drives: &mut Drives<'_>, control: &mut Control) -> Result<Planar<'w>, Error> {
+    pub(crate) fn field(&mut self, drives: &mut Drives<'_>, control: &mut Control) -> Result<Planar<'w>> {
         let (set, work) = (self.propagation.instruction_set(), self.work);
         let mut field = Planar::zeros(1, self.propagation.lanes(), work);
         let mut part = [(); 2].map(|()| work.floats.take_any(tiles::height(self.order.len())));
@@ -141,7 +136,7 @@ impl<'w> Strips<'w> {
     ///
     /// # Errors
     /// More memory than allowed, a stop by the caller.
-    pub(crate) fn gram(&mut self, factors: Option<&[f32]>, control: &mut Control) -> Result<Planar<'w>, Error> {
+    pub(crate) fn gram(&mut self, factors: Option<&[f32]>, control: &mut Control) -> Result<Planar<'w>> {
         let (propagation, work) = (self.propagation, self.work);
         let (set, count, lanes) = (propagation.instruction_set(), propagation.points(), propagation.lanes());
         control.room("the matrix G G^H", [propagation.transducers(), count], bytes(8, &[count, lanes]))?;

@@ -1,9 +1,8 @@
 //! Taylor: the waves of an array's transducers as Taylor polynomials around a point, exact up to degree 4.
 
-use crate::kernels::InstructionSet;
-use crate::kernels::derivatives;
 use crate::kernels::simd::doubles::{EIGHT, Eight};
 use crate::kernels::waves::{Emitters, Waves};
+use crate::kernels::{InstructionSet, derivatives};
 use crate::prelude::*;
 use crate::propagation::jet::{Jet, TERMS};
 use crate::propagation::sources::Sources;
@@ -35,7 +34,7 @@ impl Taylor {
     }
 
     /// Adds the waves of all transducers around a point to a pressure, given as real and imaginary part.
-    pub(crate) fn add(&self, point: [f64; 3], pressure: &mut [Jet; 2], control: &mut Control) -> Result<(), Error> {
+    pub(crate) fn add(&self, point: [f64; 3], pressure: &mut [Jet; 2], control: &mut Control) -> Result<()> {
         let sums = derivatives::sum(self.set, &self.waves, &self.emitters, point, control)?;
         pressure.iter_mut().zip(sums).for_each(|(part, sum)| part.add(&Jet::of(&sum), 1.0));
         Ok(())
@@ -47,7 +46,7 @@ impl Taylor {
         point: [f64; 3],
         control: &mut Control,
         mut take: impl FnMut(usize, [[f64; TERMS]; 2]),
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         let of = |b: usize, terms: &[[Eight; TERMS]; 2]| {
             for (lane, &i) in self.members[b * EIGHT..].iter().take(EIGHT).enumerate() {
                 take(i, terms.each_ref().map(|part| part.each_ref().map(|term| term[lane])));

@@ -1,6 +1,5 @@
 //! Air: sound speed, density and absorption as functions of temperature, humidity and air pressure (ISO 9613-1).
 
-use crate::error::real;
 use crate::prelude::*;
 use crate::scene::medium::Medium;
 
@@ -31,7 +30,7 @@ impl Medium {
     ///
     /// # Errors
     /// A temperature not above -273.15, a humidity above 100 or between 0 and 1, an air pressure outside of 10 to 200 kPa.
-    pub fn air(frequency: f64, temperature: f64, humidity: f64, air_pressure: f64) -> Result<Self, Error> {
+    pub fn air(frequency: f64, temperature: f64, humidity: f64, air_pressure: f64) -> Result<Self> {
         let sound_speed = Self::sound_speed_at(temperature)?;
         real("medium.humidity", humidity, 0.0, false)?;
         if humidity > 100.0 || (humidity > 0.0 && humidity < 1.0) {
@@ -65,13 +64,13 @@ impl Medium {
     ///
     /// # Errors
     /// None: these numbers are in range, and the scene checks the frequency.
-    pub fn room(frequency: f64) -> Result<Self, Error> {
+    pub fn room(frequency: f64) -> Result<Self> {
         Self::air(frequency, ROOM, HUMIDITY, STANDARD)
     }
 
     /// Returns the air for a temperature, a humidity and an air pressure. A missing temperature is computed from the sound
     /// speed; the other missing values are the defaults.
-    pub(super) fn air_of(self, [temperature, humidity, pressure]: [Option<f64>; 3]) -> Result<Self, Error> {
+    pub(super) fn air_of(self, [temperature, humidity, pressure]: [Option<f64>; 3]) -> Result<Self> {
         let temperature = temperature.unwrap_or_else(|| self.temperature());
         Self::air(self.frequency, temperature, humidity.unwrap_or(HUMIDITY), pressure.unwrap_or(STANDARD))
     }

@@ -1,15 +1,10 @@
-//! Array: positions, normals, transducer, response, mask, channels and quantization.
+//! Array: positions, normals, transducer, response, mask, channels and quantization; and how it was made.
 
 use crate::device::channels::Channels;
 use crate::device::quantization::Quantization;
-use crate::error::{one_each, real};
 use crate::prelude::*;
 use crate::scene::geometry::{bounds, check_finite, lattice};
-use crate::scene::medium::Medium;
-use crate::scene::origin::Origin;
-use crate::scene::pose::Pose;
-use crate::scene::presets;
-use crate::scene::transducer::Transducer;
+use crate::scene::{Medium, Pose, Transducer, presets};
 
 /// The most transducers that an array may have: far above any array that was built, low enough to catch a typing error.
 const MOST_TRANSDUCERS: usize = 1 << 20;
@@ -58,10 +53,8 @@ impl Array {
     ///
     /// # Errors
     /// No position, more than 2^20, a coordinate that is not finite, another number of normals, a zero normal.
-    pub fn new(positions: Vec<[f64; 3]>, normals: Option<Vec<[f64; 3]>>) -> Result<Self, Error> {
-        if positions.is_empty() {
-            return Err(Error::missing("array.positions", "empty", "give at least one transducer"));
-        }
+    pub fn new(positions: Vec<[f64; 3]>, normals: Option<Vec<[f64; 3]>>) -> Result<Self> {
+        refuse_if!(positions.is_empty(), Error::missing("array.positions", "empty", "give at least one transducer"));
         count("array.positions", positions.len())?;
         check_finite("array.positions", &positions)?;
         let mut normals = normals.unwrap_or_else(|| vec![[0.0, 0.0, 1.0]; positions.len()]);
@@ -102,11 +95,9 @@ impl Array {
     ///
     /// # Errors
     /// A count of 0, more than 2^20 transducers, a pitch that is not above 0.
-    pub fn grid(nx: usize, ny: usize, pitch: f64) -> Result<Self, Error> {
+    pub fn grid(nx: usize, ny: usize, pitch: f64) -> Result<Self> {
         for (item, value) in [("array.grid.nx", nx), ("array.grid.ny", ny)] {
-            if value == 0 {
-                return Err(Error::out_of_range(item, value, "give at least 1 transducer"));
-            }
+            refuse_if!(value == 0, Error::out_of_range(item, value, "give at least 1 transducer"));
         }
         count("array.grid nx * ny", nx.saturating_mul(ny))?;
         real("array.grid.pitch", pitch, 0.0, true)?;
@@ -117,7 +108,7 @@ impl Array {
     ///
     /// # Errors
     /// An unknown name, 0 tiles, tiles for a preset that cannot be tiled.
-    pub fn preset(name: &str, tiles: [usize; 2]) -> Result<Self, Error> {
+    pub fn preset(name: &str, tiles: [usize; 2]) -> Result<Self> {
         let preset = presets::find(name)?;
         for (axis, &value) in tiles.iter().enumerate() {
             if value == 0 || (value != 1 && !preset.tiles) {
@@ -141,7 +132,7 @@ impl Array {
     ///
     /// # Errors
     /// A source pressure or directivity parameter out of range.
-    pub fn with_transducer(mut self, transducer: Transducer) -> Result<Self, Error> {
+    pub fn with_transducer(mut self, transducer: Transducer) -> Result<Self> {
         let pressure = real("array.source_pressure", transducer.source_pressure, 0.0, true)?;
         if !UNITS.contains(&pressure) {
             let cure = "give Pa m: 1e-15 to 1e15";
@@ -157,7 +148,7 @@ impl Array {
     ///
     /// # Errors
     /// Another number of responses than transducers, a value that is not finite.
-    pub fn with_response(mut self, response: Option<Vec<Complex64>>) -> Result<Self, Error> {
+    pub fn with_response(mut self, response: Option<Vec<Complex64>>) -> Result<Self> {
         if let Some(response) = &response {
             one_each("array.response", response.len(), "values", self.len(), "transducers")?;
             if let Some((i, c)) = response.iter().enumerate().find(|(_, c)| !c.re.is_finite() || !c.im.is_finite()) {
@@ -177,7 +168,7 @@ impl Array {
     ///
     /// # Errors
     /// Another number of entries than transducers.
-    pub fn with_mask(mut self, mask: Option<Vec<bool>>) -> Result<Self, Error> {
+    pub fn with_mask(mut self, mask: Option<Vec<bool>>) -> Result<Self> {
         if let Some(mask) = &mask {
             one_each("array.mask", mask.len(), "values", self.len(), "transducers")?;
         }
@@ -190,7 +181,7 @@ impl Array {
     ///
     /// # Errors
     /// Another number of entries than transducers, a channel given twice.
-    pub fn with_pins(mut self, pins: Option<Vec<usize>>) -> Result<Self, Error> {
+    pub fn with_pins(mut self, pins: Option<Vec<usize>>) -> Result<Self> {
         if let Some(pins) = &pins {
             one_each("array.pins", pins.len(), "values", self.len(), "transducers")?;
             let mut owners: Vec<usize> = (0..pins.len()).collect();
@@ -213,17 +204,6 @@ impl Array {
         self
     }
 
-    /// Number of transducers N.
-    #[allow(clippy::len_without_is_empty, reason = "an array is never empty")]
-    pub fn len(&self) -> usize {
-        self.positions.len()
-    }
-
-    /// Positions (N, 3) in m.
-    pub fn positions(&self) -> &[[f64; 3]] {
-        &self.positions
-    }
-
     /// Returns whether a point lies behind every transducer: in the half space that none of them looks into.
     pub fn is_behind(&self, point: [f64; 3]) -> bool {
         self.heights(point).all(|height| height < 0.0)
@@ -240,46 +220,6 @@ impl Array {
         self.positions.iter().zip(&*self.normals).map(height)
     }
 
-    /// Unit normals (N, 3).
-    pub fn normals(&self) -> &[[f64; 3]] {
-        &self.normals
-    }
-
-    /// Source pressure and directivity of every transducer.
-    pub fn transducer(&self) -> Transducer {
-        self.transducer
-    }
-
-    /// Responses (N,), or `None` where all are 1.
-    pub fn response(&self) -> Option<&[Complex64]> {
-        self.response.as_deref()
-    }
-
-    /// Which transducers are on (N,), or `None` where all are.
-    pub fn mask(&self) -> Option<&[bool]> {
-        self.mask.as_deref()
-    }
-
-    /// The channel of the boards of each transducer (N,), or `None` where the order of the transducers decides.
-    pub fn pins(&self) -> Option<&[usize]> {
-        self.pins.as_deref()
-    }
-
-    /// The part of |p| that each of two boards face to face reflects; 0 for none.
-    pub fn reflecting(&self) -> f64 {
-        self.reflecting
-    }
-
-    /// The phases and amplitudes that the device can play, or `None` if it can play any.
-    pub fn quantization(&self) -> Option<&Quantization> {
-        self.quantization.as_deref()
-    }
-
-    /// Positions and quantization, as shared pointers.
-    pub(crate) fn shared(&self) -> (Arc<[[f64; 3]]>, Option<Arc<Quantization>>) {
-        (Arc::clone(&self.positions), self.quantization.clone())
-    }
-
     /// The response of transducer i, a factor of the source pressure; 0 if the transducer is off.
     pub(crate) fn effect(&self, i: usize) -> Complex64 {
         if self.mask.as_ref().is_some_and(|mask| !mask[i]) {
@@ -293,7 +233,7 @@ impl Array {
     ///
     /// # Errors
     /// Coordinates that are no longer finite.
-    pub fn moved(&self, pose: &Pose) -> Result<Self, Error> {
+    pub fn moved(&self, pose: &Pose) -> Result<Self> {
         if *pose == Pose::NONE {
             return Ok(self.clone());
         }
@@ -322,12 +262,6 @@ impl Array {
         }
     }
 
-    /// The frequency in Hz of an array that is real hardware, such as every preset except the arrays of Suzuki et al. 2021. The
-    /// default medium of its scenes is [`Medium::room`].
-    pub fn hardware(&self) -> Option<f64> {
-        self.hardware
-    }
-
     /// Returns a copy of this array that is marked as real hardware of this frequency in Hz, or as no hardware. Use it for a
     /// subset of a board, or for a board with measured positions.
     #[must_use]
@@ -352,32 +286,64 @@ impl Array {
     ///
     /// # Errors
     /// The errors of [`Medium::with`].
-    pub fn medium(&self, numbers: &[(&str, f64)]) -> Result<Medium, Error> {
+    pub fn medium(&self, numbers: &[(&str, f64)]) -> Result<Medium> {
         let stated = numbers.iter().find(|(name, _)| *name == "frequency").map(|&(_, f)| f);
         self.hardware
             .map_or(Ok(Medium::default()), |frequency| Medium::room(stated.unwrap_or(frequency)))?
             .with(numbers)
     }
+}
+
+getters! {
+    Array:
+
+    /// Number of transducers N.
+    #[allow(clippy::len_without_is_empty, reason = "an array is never empty")]
+    pub len(self) -> usize = self.positions.len();
+
+    /// Positions (N, 3) in m.
+    pub positions(self) -> &[[f64; 3]] = &self.positions;
+
+    /// Unit normals (N, 3).
+    pub normals(self) -> &[[f64; 3]] = &self.normals;
+
+    /// Source pressure and directivity of every transducer.
+    pub transducer(self) -> Transducer = self.transducer;
+
+    /// Responses (N,), or `None` where all are 1.
+    pub response(self) -> Option<&[Complex64]> = self.response.as_deref();
+
+    /// Which transducers are on (N,), or `None` where all are.
+    pub mask(self) -> Option<&[bool]> = self.mask.as_deref();
+
+    /// The channel of the boards of each transducer (N,), or `None` where the order of the transducers decides.
+    pub pins(self) -> Option<&[usize]> = self.pins.as_deref();
+
+    /// The part of |p| that each of two boards face to face reflects; 0 for none.
+    pub reflecting(self) -> f64 = self.reflecting;
+
+    /// The phases and amplitudes that the device can play, or `None` if it can play any.
+    pub quantization(self) -> Option<&Quantization> = self.quantization.as_deref();
+
+    /// Positions and quantization, as shared pointers.
+    pub(crate) shared(self) -> (Arc<[[f64; 3]]>, Option<Arc<Quantization>>) =
+        (Arc::clone(&self.positions), self.quantization.clone());
+
+    /// The frequency in Hz of an array that is real hardware, such as every preset except the arrays of Suzuki et al. 2021. The
+    /// default medium of its scenes is [`Medium::room`].
+    pub hardware(self) -> Option<f64> = self.hardware;
 
     /// How the array was made: from positions, as a grid or by a preset.
-    pub fn origin(&self) -> &Origin {
-        &self.origin
-    }
+    pub origin(self) -> &Origin = &self.origin;
 
     /// Whether pressures are in the unit of Suzuki et al. 2021, eq. (5) with lengths in millimetres: P0 is then 1e-3 Pa m.
-    pub fn in_paper_unit(&self) -> bool {
-        self.transducer.source_pressure == 1e-3
-    }
+    pub in_paper_unit(self) -> bool = self.transducer.source_pressure == 1e-3;
 
     /// Lowest and highest coordinate along each axis.
-    pub(crate) fn bounds(&self) -> [[f64; 2]; 3] {
-        self.bounds
-    }
+    pub(crate) bounds(self) -> [[f64; 2]; 3] = self.bounds;
 
     /// The middle of the positions' bounding box, from which all coordinates are measured before they are rounded to f32.
-    pub(crate) fn centre(&self) -> [f64; 3] {
-        self.bounds.map(|[low, high]| 0.5 * low + 0.5 * high)
-    }
+    pub(crate) centre(self) -> [f64; 3] = self.bounds.map(|[low, high]| 0.5 * low + 0.5 * high);
 }
 
 /// Compares two arrays by value. The origin, the mark as hardware and a mask that switches nothing off are ignored.
@@ -396,10 +362,33 @@ impl PartialEq for Array {
     }
 }
 
-fn count(item: &str, transducers: usize) -> Result<(), Error> {
+fn count(item: &str, transducers: usize) -> Result<()> {
     if transducers > MOST_TRANSDUCERS {
         let cure = format!("give at most {MOST_TRANSDUCERS} transducers");
         return Err(Error::invalid(item, transducers, cure));
     }
     Ok(())
+}
+
+/// How an array was made. A scene file can then state the array in short form.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Origin {
+    /// From a list of positions and normals.
+    Positions,
+    /// By [`crate::Array::grid`].
+    Grid {
+        /// Transducers along x.
+        nx: usize,
+        /// Transducers along y.
+        ny: usize,
+        /// The distance between neighbours in m.
+        pitch: f64,
+    },
+    /// By [`crate::Array::preset`].
+    Preset {
+        /// Name of the preset.
+        name: &'static str,
+        /// Boards along x and y.
+        tiles: [usize; 2],
+    },
 }

@@ -60,7 +60,7 @@ impl Bead {
     ///
     /// # Errors
     /// A number that is not above 0, a gravity that is not finite.
-    pub fn with(mut self, numbers: &[(&str, f64)], gravity: Option<[f64; 3]>) -> Result<Self, Error> {
+    pub fn with(mut self, numbers: &[(&str, f64)], gravity: Option<[f64; 3]>) -> Result<Self> {
         for &(name, value) in numbers {
             if !self.particle.set(name, value) {
                 return Err(Error::unknown("key of bead", name, Self::KEYS.iter().map(|key| key.name)));
@@ -71,7 +71,7 @@ impl Bead {
         Ok(self)
     }
 
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<()> {
         self.particle.in_range()?;
         vector("bead.gravity", &self.gravity)
     }

@@ -1,9 +1,7 @@
 //! Choice: a solver by its name and its options, as in a scene file or a binding.
 
-use crate::error::same_name;
 use crate::prelude::*;
-use crate::scene::aim::Aim;
-use crate::scene::value::{OptionValue, Options, Value};
+use crate::scene::{Aim, OptionValue, Options, Value};
 
 /// The solver in a scene file: its name, its options, whether to balance, and the aim.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +22,7 @@ impl Choice {
     /// # Errors
     /// A `balance` that is not true or false, an `aim` that is unknown. [`crate::solvers::configure`] checks the name and the
     /// options.
-    pub fn new(name: String, options: Options) -> Result<Self, Error> {
+    pub fn new(name: String, options: Options) -> Result<Self> {
         let (mut rest, mut balance, mut aim) = (Options::new(), None, None);
         for (key, value) in options {
             match &key {

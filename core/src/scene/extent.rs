@@ -1,10 +1,8 @@
 //! Extent: rejects coordinates that are so far from the array that phases in f32 become inaccurate.
 
-use crate::error::ErrorCode;
 use crate::prelude::*;
-use crate::scene::array::Array;
 use crate::scene::geometry::vector;
-use crate::scene::medium::Medium;
+use crate::scene::{Array, Medium};
 
 /// The largest distance from the array's middle in wavelengths, 279 m at 40 kHz. At this distance, phases in f32 are wrong by
 /// 0.004 rad on average and by at most 0.02 rad, and moduli by 6e-5. A focus loses 1.4e-5 of its pressure. The errors grow with
@@ -12,7 +10,7 @@ use crate::scene::medium::Medium;
 const MOST_WAVELENGTHS: f64 = (1 << 15) as f64;
 
 /// Checks a medium, and whether an array can be computed in it.
-pub(crate) fn check_array(array: &Array, medium: Medium) -> Result<(), Error> {
+pub(crate) fn check_array(array: &Array, medium: Medium) -> Result<()> {
     medium.check()?;
     array.transducer().directivity.check_beam(medium.wavenumber())?;
     let check = |places: &[[f64; 3]]| check_places(array.centre(), medium, "array.positions", "", places);
@@ -34,7 +32,7 @@ pub(crate) fn check_places(
     item: &str,
     part: &str,
     places: &[[f64; 3]],
-) -> Result<(), Error> {
+) -> Result<()> {
     let reach = reach(medium);
     for (k, place) in places.iter().enumerate() {
         let far = (0..3).any(|axis| (place[axis] - centre[axis]).abs() > reach);

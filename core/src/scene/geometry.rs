@@ -1,6 +1,5 @@
 //! Geometry: lattices of positions, bounding boxes, distances, and checks of coordinates.
 
-use crate::error::{ErrorCode, one_each};
 use crate::prelude::*;
 
 /// Returns `nx` x `ny` positions `pitch` metres apart, centred on the origin; x varies fastest.
@@ -36,13 +35,13 @@ pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// Checks that there is one position for each transducer, and that all are finite.
-pub(crate) fn check_positions(positions: &[[f64; 3]], transducers: usize) -> Result<(), Error> {
+pub(crate) fn check_positions(positions: &[[f64; 3]], transducers: usize) -> Result<()> {
     one_each("positions", positions.len(), "of them", transducers, "transducers")?;
     check_finite("positions", positions)
 }
 
 /// Checks that all coordinates are finite. The error names the first vector that is not, as `item[i]`.
-pub(crate) fn check_finite(item: &str, vectors: &[[f64; 3]]) -> Result<(), Error> {
+pub(crate) fn check_finite(item: &str, vectors: &[[f64; 3]]) -> Result<()> {
     match vectors.iter().position(|vector| !vector.iter().all(|x| x.is_finite())) {
         Some(i) => vector(&format!("{item}[{i}]"), &vectors[i]),
         None => Ok(()),
@@ -50,7 +49,7 @@ pub(crate) fn check_finite(item: &str, vectors: &[[f64; 3]]) -> Result<(), Error
 }
 
 /// Checks that the three coordinates of a vector are finite.
-pub(crate) fn vector(item: &str, vector: &[f64; 3]) -> Result<(), Error> {
+pub(crate) fn vector(item: &str, vector: &[f64; 3]) -> Result<()> {
     if vector.iter().all(|x| x.is_finite()) {
         return Ok(());
     }

@@ -20,7 +20,7 @@ impl Array {
     /// assert_eq!((rig.len(), rig.hardware(), rig.board("autd3")?.boards()), (498, Some(40e3), 2));
     /// # Ok::<(), midair::Error>(())
     /// ```
-    pub fn join(parts: &[Self]) -> Result<Self, Error> {
+    pub fn join(parts: &[Self]) -> Result<Self> {
         let Some(first) = parts.first() else {
             return Err(Error::missing("arrays", "empty", "give at least one array"));
         };

@@ -1,6 +1,5 @@
 //! Medium: frequency, sound speed, absorption and density of the air.
 
-use crate::error::real;
 use crate::prelude::*;
 use crate::scene::key::numbers;
 
@@ -37,7 +36,7 @@ impl Medium {
     ///
     /// # Errors
     /// A temperature that is not finite or not above -273.15.
-    pub fn sound_speed_at(temperature: f64) -> Result<f64, Error> {
+    pub fn sound_speed_at(temperature: f64) -> Result<f64> {
         real("medium.temperature", temperature, -273.15, true)?;
         Ok(331.3 * math::sqrt(1.0 + temperature / 273.15))
     }
@@ -72,7 +71,7 @@ impl Medium {
     /// # Errors
     /// An unknown name; a temperature and a sound speed together; values that [`Medium::air`] rejects. A scene checks the other
     /// ranges.
-    pub fn with(mut self, numbers: &[(&str, f64)]) -> Result<Self, Error> {
+    pub fn with(mut self, numbers: &[(&str, f64)]) -> Result<Self> {
         let of = |name: &str| numbers.iter().find(|(key, _)| *key == name).map(|&(_, value)| value);
         for &(name, value) in numbers {
             if !self.set(name, value) && !AIR.contains(&name) {
@@ -96,21 +95,6 @@ impl Medium {
         Ok(made)
     }
 
-    /// The wavelength c/f in m.
-    pub fn wavelength(&self) -> f64 {
-        self.sound_speed / self.frequency
-    }
-
-    /// The wavenumber k = 2 pi f/c in 1/m.
-    pub fn wavenumber(&self) -> f64 {
-        core::f64::consts::TAU / self.wavelength()
-    }
-
-    /// The complex wavenumber k + j alpha in 1/m: a wave e^{j(k + j alpha)r}/r loses amplitude to absorption.
-    pub(crate) fn complex_wavenumber(&self) -> Complex64 {
-        Complex64::new(self.wavenumber(), self.absorption)
-    }
-
     /// Radiation pressure in Pa on a rigid wall at normal incidence, |p|^2/(rho c^2) for a peak pressure |p| in Pa.
     ///
     /// ```
@@ -132,10 +116,10 @@ impl Medium {
     /// ```
     pub fn second_harmonic(&self, pressure: f64) -> f64 {
         const BETA: f64 = 1.2;
-        1.5 * core::f64::consts::PI * BETA * self.radiation(1.0) * pressure
+        1.5 * PI * BETA * self.radiation(1.0) * pressure
     }
 
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<()> {
         self.in_range()?;
         let wavelength = self.wavelength();
         if !(1e-9..=1e9).contains(&wavelength) {
@@ -147,6 +131,19 @@ impl Medium {
         }
         Ok(())
     }
+}
+
+getters! {
+    Medium:
+
+    /// The wavelength c/f in m.
+    pub wavelength(self) -> f64 = self.sound_speed / self.frequency;
+
+    /// The wavenumber k = 2 pi f/c in 1/m.
+    pub wavenumber(self) -> f64 = TAU / self.wavelength();
+
+    /// The complex wavenumber k + j alpha in 1/m: a wave e^{j(k + j alpha)r}/r loses amplitude to absorption.
+    pub(crate) complex_wavenumber(self) -> Complex64 = Complex64::new(self.wavenumber(), self.absorption);
 }
 
 /// The sound pressure level in dB of a peak pressure in Pa: 20 log10(|p| / sqrt(2) / 20 uPa).

@@ -3,8 +3,7 @@
 use alloc::collections::BTreeMap;
 
 use crate::prelude::*;
-use crate::scene::geometry::bounds;
-use crate::scene::geometry::vector;
+use crate::scene::geometry::{bounds, vector};
 use crate::scene::surface::Surface;
 
 /// The cure in the error for a face whose corners lie on one line.
@@ -42,7 +41,7 @@ impl Mesh {
     /// # Errors
     /// No face, an index beyond the vertices, numbers that are not finite, a face of no area; a hole, an edge of more than two
     /// faces, neighbouring faces with opposite orders of their corners, or all faces clockwise as seen from outside.
-    pub fn new(vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]>, kind: Surface) -> Result<Self, Error> {
+    pub fn new(vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]>, kind: Surface) -> Result<Self> {
         for (v, vertex) in vertices.iter().enumerate() {
             vector(&format!("mesh.vertices[{v}]"), vertex)?;
         }
@@ -64,9 +63,7 @@ impl Mesh {
         let mut mesh = Self { vertices, faces, kind, bounds, volume: 0.0 };
         for (f, triangle) in mesh.triangles().enumerate() {
             let twice = area_vector(triangle);
-            if twice.dot(twice) == 0.0 {
-                return Err(Error::invalid(name(f), format!("{:?}", mesh.faces[f]), FLAT));
-            }
+            refuse_if!(twice.dot(twice) == 0.0, Error::invalid(name(f), format!("{:?}", mesh.faces[f]), FLAT));
         }
         // Computes the volume by the divergence theorem. Coordinates are relative to a vertex, so that rounding errors
         // stay small.
@@ -78,41 +75,6 @@ impl Mesh {
             return Err(Error::invalid("mesh", value, "swap two corners of every face: faces[:, ::-1]"));
         }
         Ok(mesh)
-    }
-
-    /// The vertices (V, 3) in m.
-    pub fn vertices(&self) -> &[[f64; 3]] {
-        &self.vertices
-    }
-
-    /// The faces (F, 3): three vertex indices for each.
-    pub fn faces(&self) -> &[[u32; 3]] {
-        &self.faces
-    }
-
-    /// The acoustic boundary condition of the surface.
-    pub fn kind(&self) -> Surface {
-        self.kind
-    }
-
-    /// The enclosed volume in m^3.
-    pub fn volume(&self) -> f64 {
-        self.volume
-    }
-
-    /// The faces as triangles.
-    pub(crate) fn triangles(&self) -> impl Iterator<Item = Triangle> + Clone {
-        self.faces.iter().map(|face| face.map(|v| Vec3(self.vertices[v as usize])))
-    }
-
-    /// The lowest and highest coordinate along each axis.
-    pub(crate) fn bounds(&self) -> [[f64; 2]; 3] {
-        self.bounds
-    }
-
-    /// The size of the bounding box along each axis in m.
-    pub(crate) fn extent(&self) -> [f64; 3] {
-        self.bounds.map(|[low, high]| high - low)
     }
 
     /// The distance in m from a place to the surface.
@@ -131,12 +93,38 @@ impl Mesh {
     /// The winding number of the surface at a place: 1 inside, 0 outside. It is the sum of the faces' solid angles over 4 pi.
     pub(crate) fn winding(&self, place: [f64; 3]) -> f64 {
         let angle = |corners: Triangle| solid_angle(corners.map(|corner| corner - place));
-        self.triangles().map(angle).sum::<f64>() / (2.0 * core::f64::consts::TAU)
+        self.triangles().map(angle).sum::<f64>() / (2.0 * TAU)
     }
 }
 
+getters! {
+    Mesh:
+
+    /// The vertices (V, 3) in m.
+    pub vertices(self) -> &[[f64; 3]] = &self.vertices;
+
+    /// The faces (F, 3): three vertex indices for each.
+    pub faces(self) -> &[[u32; 3]] = &self.faces;
+
+    /// The acoustic boundary condition of the surface.
+    pub kind(self) -> Surface = self.kind;
+
+    /// The enclosed volume in m^3.
+    pub volume(self) -> f64 = self.volume;
+
+    /// The faces as triangles.
+    pub(crate) triangles(self) -> impl Iterator<Item = Triangle> + Clone =
+        self.faces.iter().map(|face| face.map(|v| Vec3(self.vertices[v as usize])));
+
+    /// The lowest and highest coordinate along each axis.
+    pub(crate) bounds(self) -> [[f64; 2]; 3] = self.bounds;
+
+    /// The size of the bounding box along each axis in m.
+    pub(crate) extent(self) -> [f64; 3] = self.bounds.map(|[low, high]| high - low);
+}
+
 /// Checks that the surface has no hole, and that neighbouring faces list their corners in the same sense.
-fn closed(faces: &[[u32; 3]], name: impl Fn(usize) -> String) -> Result<(), Error> {
+fn closed(faces: &[[u32; 3]], name: impl Fn(usize) -> String) -> Result<()> {
     // Each edge belongs to two faces, which pass it in opposite directions: each direction occurs once.
     let mut edges: BTreeMap<[u32; 2], usize> = BTreeMap::new();
     for (f, &[a, b, c]) in faces.iter().enumerate() {

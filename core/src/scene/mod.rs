@@ -1,6 +1,5 @@
 //! Scene: an array, a medium, control points and their targets, checked once.
 
-pub(crate) mod aim;
 pub(crate) mod air;
 pub(crate) mod array;
 pub(crate) mod bead;
@@ -13,10 +12,8 @@ pub(crate) mod join;
 pub(crate) mod key;
 pub(crate) mod medium;
 pub(crate) mod mesh;
-pub(crate) mod neighbours;
 pub(crate) mod obstacle;
 pub(crate) mod order;
-pub(crate) mod origin;
 pub(crate) mod part;
 pub(crate) mod plane;
 pub(crate) mod plausibility;
@@ -24,16 +21,14 @@ pub(crate) mod pose;
 pub mod presets;
 pub(crate) mod request;
 pub(crate) mod signature;
-pub(crate) mod start;
 pub(crate) mod surface;
 pub(crate) mod transducer;
 pub(crate) mod value;
 pub(crate) mod wall;
 pub(crate) mod wiring;
 
-pub use aim::Aim;
-pub use array::Array;
 pub(crate) use array::UNITS;
+pub use array::{Array, Origin};
 pub use bead::{Bead, Particle};
 pub use choice::Choice;
 pub use directivity::{Directivity, Parameter};
@@ -44,21 +39,18 @@ pub use medium::{Medium, spl};
 pub use mesh::Mesh;
 pub use obstacle::{Body, Obstacle};
 pub(crate) use obstacle::{Obstacles, element_size};
-pub use origin::Origin;
 pub use part::{Part, PartKind, PartValue};
 pub use plane::{Axis, Plane};
 pub(crate) use plausibility::{Vicinity, beside, contrary, distant, figures, short};
 pub use pose::Pose;
-pub use request::Request;
+pub(crate) use request::check_drive;
+pub use request::{Aim, Request, Start};
 pub use signature::Signature;
-pub use start::Start;
-pub(crate) use start::check_drive;
 pub use surface::Surface;
 pub use transducer::Transducer;
 pub(crate) use value::words;
 pub use value::{OptionValue, Options, Value, spell, word};
 
-use crate::error::Notice;
 use crate::prelude::*;
 
 /// The factor between the allowed distances of a trap and of a focus from the plane of a picture. For a trap the allowed
@@ -121,7 +113,7 @@ impl Scene {
         medium: impl Into<Option<Medium>>,
         points: Vec<[f64; 3]>,
         request: Request,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let medium = medium.into().map_or_else(|| array.medium(&[]), Ok)?;
         check_array(&array, medium)?;
         let scene = Self {
@@ -143,7 +135,7 @@ impl Scene {
     /// # Errors
     /// The errors of [`Scene::new`] for points and request; a signature of another number of points, a point behind an
     /// obstacle.
-    pub fn with_points(self, points: Vec<[f64; 3]>, request: Request) -> Result<Self, Error> {
+    pub fn with_points(self, points: Vec<[f64; 3]>, request: Request) -> Result<Self> {
         request.check(points.len())?;
         check_places(self.array.centre(), self.medium, "points", ".position", &points)?;
         self.signature.as_ref().map_or(Ok(()), |signature| signature.check(self.array.len(), points.len()))?;
@@ -166,7 +158,7 @@ impl Scene {
     ///
     /// # Errors
     /// The errors of [`Scene::with_signature`], [`Scene::with_bead`] and [`Scene::with_obstacles`].
-    pub fn with_extras(self, extras: Extras) -> Result<Self, Error> {
+    pub fn with_extras(self, extras: Extras) -> Result<Self> {
         let Extras { signature, bead, obstacles, solver, plane } = extras;
         let scene = self.with_signature(signature)?.with_bead(bead)?.with_obstacles(obstacles)?;
         Ok(Self { solver, plane, ..scene })
@@ -176,7 +168,7 @@ impl Scene {
     ///
     /// # Errors
     /// Given factors of a modulus other than 1, or of a number that does not fit the transducers (and points).
-    pub fn with_signature(mut self, signature: Option<Signature>) -> Result<Self, Error> {
+    pub fn with_signature(mut self, signature: Option<Signature>) -> Result<Self> {
         signature.as_ref().map_or(Ok(()), |signature| signature.check(self.array.len(), self.points.len()))?;
         self.signature = signature;
         Ok(self)
@@ -186,15 +178,10 @@ impl Scene {
     ///
     /// # Errors
     /// A radius, density or sound speed that is not above 0, a gravity that is not finite.
-    pub fn with_bead(mut self, bead: Bead) -> Result<Self, Error> {
+    pub fn with_bead(mut self, bead: Bead) -> Result<Self> {
         bead.check()?;
         self.bead = bead;
         Ok(self)
-    }
-
-    /// The bead that traps are made for.
-    pub fn bead(&self) -> Bead {
-        self.bead
     }
 
     /// Returns a copy of this scene with these obstacles instead of its own: see [`Obstacle`]. They change the waves as
@@ -217,45 +204,10 @@ impl Scene {
     /// );
     /// # Ok::<(), midair::Error>(())
     /// ```
-    pub fn with_obstacles(mut self, obstacles: Vec<Obstacle>) -> Result<Self, Error> {
+    pub fn with_obstacles(mut self, obstacles: Vec<Obstacle>) -> Result<Self> {
         self.obstacles = Obstacles::new(obstacles, &self.array, self.medium)?;
         self.obstacles.check_points(&self.points)?;
         Ok(self)
-    }
-
-    /// The obstacles as given.
-    pub fn obstacles(&self) -> &[Obstacle] {
-        self.obstacles.list()
-    }
-
-    /// The obstacles with the results of their checks.
-    pub(crate) fn checked_obstacles(&self) -> &Obstacles {
-        &self.obstacles
-    }
-
-    /// The signature, which turns the foci into traps; `None` for plain foci.
-    pub fn signature(&self) -> Option<&Signature> {
-        self.signature.as_ref()
-    }
-
-    /// The array that plays the scene.
-    pub fn array(&self) -> &Array {
-        &self.array
-    }
-
-    /// The medium around the array.
-    pub fn medium(&self) -> Medium {
-        self.medium
-    }
-
-    /// The control points (M, 3) in m.
-    pub fn points(&self) -> &[[f64; 3]] {
-        &self.points
-    }
-
-    /// The request: targets and weights of the points.
-    pub fn request(&self) -> &Request {
-        &self.request
     }
 
     /// Returns probable mistakes in array, medium, points and plane; each mistake is listed once.
@@ -294,11 +246,6 @@ impl Scene {
         Vicinity::of(&self.array).far(places, name)
     }
 
-    /// The planes for pictures of this scene: its own plane, or [`Scene::planes_around`] if it has none.
-    pub fn picture_planes(&self) -> Vec<Plane> {
-        self.plane.map_or_else(|| self.planes_around(), |plane| [plane].into())
-    }
-
     /// Returns planes that show the points and the obstacles. For foci they are those of [`Plane::around`]. Each trap has two
     /// upright planes. Each body that none of these planes cuts has an upright plane of its own.
     pub fn planes_around(&self) -> Vec<Plane> {
@@ -318,4 +265,35 @@ impl Scene {
         let wavelength = self.medium.wavelength() * if self.signature.is_some() { SHELL } else { 1.0 };
         self.points.iter().any(|&point| plane.shows(point, wavelength))
     }
+}
+
+getters! {
+    Scene:
+
+    /// The bead that traps are made for.
+    pub bead(self) -> Bead = self.bead;
+
+    /// The obstacles as given.
+    pub obstacles(self) -> &[Obstacle] = self.obstacles.list();
+
+    /// The obstacles with the results of their checks.
+    pub(crate) checked_obstacles(self) -> &Obstacles = &self.obstacles;
+
+    /// The signature, which turns the foci into traps; `None` for plain foci.
+    pub signature(self) -> Option<&Signature> = self.signature.as_ref();
+
+    /// The array that plays the scene.
+    pub array(self) -> &Array = &self.array;
+
+    /// The medium around the array.
+    pub medium(self) -> Medium = self.medium;
+
+    /// The control points (M, 3) in m.
+    pub points(self) -> &[[f64; 3]] = &self.points;
+
+    /// The request: targets and weights of the points.
+    pub request(self) -> &Request = &self.request;
+
+    /// The planes for pictures of this scene: its own plane, or [`Scene::planes_around`] if it has none.
+    pub picture_planes(self) -> Vec<Plane> = self.plane.map_or_else(|| self.planes_around(), |plane| [plane].into());
 }

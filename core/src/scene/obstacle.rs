@@ -1,10 +1,8 @@
 //! Obstacles: bodies that reflect or scatter waves, checked once against the array.
 
-use crate::error::{ErrorCode, Notice, real};
 use crate::prelude::*;
 use crate::scene::body::obstacles;
-use crate::scene::geometry::distance;
-use crate::scene::geometry::vector;
+use crate::scene::geometry::{distance, vector};
 use crate::scene::mesh::{Mesh, area_vector};
 use crate::scene::surface::ON;
 use crate::scene::wall::{Mirror, boards, compatible, mirror};
@@ -93,7 +91,7 @@ impl Obstacles {
     /// Numbers that are not finite, a normal of length 0, an obstacle that crosses the array or is too far away for phases in
     /// f32; two walls that are neither parallel nor at a right angle, one wall behind another, more than six walls; a sphere
     /// that is too large or has other obstacles beside it; a mesh with too many elements or behind a wall.
-    pub(crate) fn new(list: Vec<Obstacle>, array: &Array, medium: Medium) -> Result<Self, Error> {
+    pub(crate) fn new(list: Vec<Obstacle>, array: &Array, medium: Medium) -> Result<Self> {
         let mut walls: Vec<(usize, Mirror)> = Vec::new();
         for (k, obstacle) in list.iter().enumerate() {
             let item = format!("obstacles[{k}]");
@@ -126,25 +124,6 @@ impl Obstacles {
         Ok(all)
     }
 
-    /// The obstacles in the order in which they were given.
-    pub(crate) fn list(&self) -> &[Obstacle] {
-        &self.list
-    }
-
-    pub(crate) fn is_empty(&self) -> bool {
-        self.list.is_empty()
-    }
-
-    /// The walls as mirrors that face the array.
-    pub(crate) fn mirrors(&self) -> impl Iterator<Item = &Mirror> + Clone {
-        self.walls.iter().map(|(_, mirror)| mirror)
-    }
-
-    /// The meshes.
-    pub(crate) fn meshes(&self) -> impl Iterator<Item = &Mesh> + Clone {
-        self.list.iter().filter_map(|obstacle| if let Obstacle::Mesh(mesh) = obstacle { Some(&**mesh) } else { None })
-    }
-
     /// Returns the index of the obstacle that contains a place, or of the wall in front of it; `None` if the place is in free
     /// air.
     pub(crate) fn around(&self, place: [f64; 3]) -> Option<usize> {
@@ -169,13 +148,13 @@ impl Obstacles {
     }
 
     /// Checks that no point is inside an obstacle or behind a wall.
-    pub(crate) fn check_points(&self, points: &[[f64; 3]]) -> Result<(), Error> {
+    pub(crate) fn check_points(&self, points: &[[f64; 3]]) -> Result<()> {
         let each = |(j, &point): (usize, &[f64; 3])| self.check_point(point, || format!("points[{j}].position"));
         points.iter().enumerate().try_for_each(each)
     }
 
     /// Checks that a point is not inside an obstacle or behind a wall; `name` makes its name for the error.
-    pub(crate) fn check_point(&self, point: [f64; 3], name: impl FnOnce() -> String) -> Result<(), Error> {
+    pub(crate) fn check_point(&self, point: [f64; 3], name: impl FnOnce() -> String) -> Result<()> {
         let Some(k) = self.around(point) else { return Ok(()) };
         let cure = match &self.list[k] {
             Obstacle::Wall { .. } => {
@@ -188,7 +167,7 @@ impl Obstacles {
 
     /// Checks that the meshes together have few enough boundary elements to be solved. A mesh file in millimetres, read as
     /// metres, fails here.
-    fn check_elements(&self, medium: Medium) -> Result<(), Error> {
+    fn check_elements(&self, medium: Medium) -> Result<()> {
         let [area, _] = element_size(medium);
         let mut count = 0.0;
         for (k, obstacle) in self.list.iter().enumerate() {
@@ -211,7 +190,7 @@ impl Obstacles {
     }
 
     /// Checks that no mesh crosses or touches a wall.
-    fn check_clear(&self, medium: Medium) -> Result<(), Error> {
+    fn check_clear(&self, medium: Medium) -> Result<()> {
         let [_, edge] = element_size(medium);
         for (k, obstacle) in self.list.iter().enumerate() {
             let Obstacle::Mesh(mesh) = obstacle else { continue };
@@ -228,6 +207,22 @@ impl Obstacles {
     }
 }
 
+getters! {
+    Obstacles:
+
+    /// The obstacles in the order in which they were given.
+    pub(crate) list(self) -> &[Obstacle] = &self.list;
+
+    pub(crate) is_empty(self) -> bool = self.list.is_empty();
+
+    /// The walls as mirrors that face the array.
+    pub(crate) mirrors(self) -> impl Iterator<Item = &Mirror> + Clone = self.walls.iter().map(|(_, mirror)| mirror);
+
+    /// The meshes.
+    pub(crate) meshes(self) -> impl Iterator<Item = &Mesh> + Clone =
+        self.list.iter().filter_map(|obstacle| if let Obstacle::Mesh(mesh) = obstacle { Some(&**mesh) } else { None });
+}
+
 /// The largest area in m^2 and the longest edge in m of a boundary element: about 2.5 elements per wavelength. The edge limit
 /// concerns only slender triangles.
 pub(crate) fn element_size(medium: Medium) -> [f64; 2] {
@@ -235,7 +230,7 @@ pub(crate) fn element_size(medium: Medium) -> [f64; 2] {
     [0.433 * edge * edge, 2.0 * edge]
 }
 
-fn check_sphere(item: &str, center: [f64; 3], radius: f64, array: &Array, medium: Medium) -> Result<(), Error> {
+fn check_sphere(item: &str, center: [f64; 3], radius: f64, array: &Array, medium: Medium) -> Result<()> {
     vector(&format!("{item}.center"), &center)?;
     let name = format!("{item}.radius");
     real(&name, radius, 0.0, true)?;
@@ -252,7 +247,7 @@ fn check_sphere(item: &str, center: [f64; 3], radius: f64, array: &Array, medium
     near.map_or(Ok(()), |i| Err(crossing(item, i, "sphere", medium)))
 }
 
-fn check_mesh(item: &str, mesh: &Mesh, array: &Array, medium: Medium) -> Result<(), Error> {
+fn check_mesh(item: &str, mesh: &Mesh, array: &Array, medium: Medium) -> Result<()> {
     let corners = [0, 1].map(|end| mesh.bounds().map(|bound| bound[end]));
     super::check_places(array.centre(), medium, "obstacles", ".vertices", &corners)?;
     let clear = CLEAR * medium.wavelength();

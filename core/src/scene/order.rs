@@ -5,12 +5,10 @@
 
 use crate::device::board::{self, Board};
 use crate::device::format::{Format, Layout};
-use crate::error::{ErrorCode, Notice};
 use crate::prelude::*;
-use crate::scene::array::Array;
-use crate::scene::geometry::{distance, middle};
-use crate::scene::pose::Pose;
+use crate::scene::geometry::middle;
 use crate::scene::presets::PRESETS;
+use crate::scene::{Array, Pose, distance};
 
 /// The largest distance in m of a transducer from its place on a board.
 const NEAR: f64 = 3e-3;
@@ -104,13 +102,13 @@ impl Sites {
 }
 
 /// The known arrays of a kind of board: for each, the sites of its channels in order.
-fn known(format: &Format) -> Result<Vec<Sites>, Error> {
+fn known(format: &Format) -> Result<Vec<Sites>> {
     let arrays = match format.layout {
         Layout::Grid(..) => vec![Array::of_board(format.name, [1, 1])?],
         Layout::Preset(_) | Layout::Example(_) => {
             let of_kind = PRESETS.iter().filter(|preset| preset.board == Some(format.name));
             let single = of_kind.filter(|preset| preset.count == format.channels);
-            single.map(|preset| Array::preset(preset.name, [1, 1])).collect::<Result<_, Error>>()?
+            single.map(|preset| Array::preset(preset.name, [1, 1])).collect::<Result<_>>()?
         }
     };
     let sites = |array: &Array| {
@@ -170,7 +168,7 @@ impl Array {
     /// assert_eq!(backwards.channels_by_place("nano")?, [3, 2, 1, 0, 7, 6, 5, 4]);
     /// # Ok::<(), midair::Error>(())
     /// ```
-    pub fn channels_by_place(&self, kind: &str) -> Result<Vec<usize>, Error> {
+    pub fn channels_by_place(&self, kind: &str) -> Result<Vec<usize>> {
         let format = board::format(kind)?;
         Board::new(kind, self.len())?;
         self.by_place(format, &(0..self.len()).map(|i| format.channel(i)).collect::<Vec<_>>())
@@ -180,7 +178,7 @@ impl Array {
     ///
     /// # Errors
     /// Another order, and the errors of [`Array::channels_by_place`].
-    pub(super) fn check_order(&self, format: &Format, channels: &[usize]) -> Result<(), Error> {
+    pub(super) fn check_order(&self, format: &Format, channels: &[usize]) -> Result<()> {
         let placed = self.by_place(format, channels)?;
         if placed == channels {
             return Ok(());
@@ -202,7 +200,7 @@ impl Array {
     ///
     /// # Errors
     /// Another number of transducers, a transducer more than 0.5 mm from its place.
-    pub fn check_drive_of(&self, other: &Self) -> Result<(), Error> {
+    pub fn check_drive_of(&self, other: &Self) -> Result<()> {
         let sites = |array: &Self| {
             let (places, normals) = (array.positions().to_vec(), array.normals().to_vec());
             Sites { places, normals }
@@ -221,7 +219,7 @@ impl Array {
     }
 
     /// Exchanges the channels of transducers that stand at each other's places.
-    fn by_place(&self, format: &Format, channels: &[usize]) -> Result<Vec<usize>, Error> {
+    fn by_place(&self, format: &Format, channels: &[usize]) -> Result<Vec<usize>> {
         let (known, fixed) = (known(format)?, matches!(format.layout, Layout::Preset(_)));
         let (size, kind) = (known.iter().map(|sites| sites.places.len()).max().unwrap_or(1), format.name);
         if fixed && !channels.len().is_multiple_of(size) && self.pins().is_none() {

@@ -3,13 +3,8 @@
 use alloc::borrow::ToOwned;
 
 use crate::device::quantization::Quantization;
-use crate::error::same_name;
 use crate::prelude::*;
-use crate::scene::array::Array;
-use crate::scene::directivity::Directivity;
-use crate::scene::key::Key;
-use crate::scene::origin::Origin;
-use crate::scene::transducer::Transducer;
+use crate::scene::{Array, Directivity, Key, Origin, Transducer};
 
 /// The type of a part's value. Bindings have one function to read and write each type.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +47,7 @@ pub struct Part {
     pub name: &'static str,
     kind: PartKind,
     get: fn(&Array) -> Option<PartValue>,
-    set: fn(Array, PartValue) -> Result<Array, Error>,
+    set: fn(Array, PartValue) -> Result<Array>,
 }
 
 /// Declares the parts: the name of each, its meaning, an example, its type, and the functions that return and set it.
@@ -143,7 +138,7 @@ impl Part {
     /// # Errors
     /// A value of another type; values that the array's own methods reject, such as a list whose length is not the number of
     /// transducers.
-    pub fn put(&self, array: Array, value: PartValue) -> Result<Array, Error> {
+    pub fn put(&self, array: Array, value: PartValue) -> Result<Array> {
         (self.set)(array, value)
     }
 }

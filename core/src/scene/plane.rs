@@ -1,11 +1,8 @@
 //! Plane: a square of pixels normal to an axis, for pictures of the field; and how planes are chosen that show given points.
 
-use core::fmt;
-
-use crate::error::{find, real};
+use crate::error::find;
 use crate::prelude::*;
-use crate::scene::geometry::bounds;
-use crate::scene::geometry::vector;
+use crate::scene::geometry::{bounds, vector};
 
 /// A point within this many wavelengths of a plane is shown in it: at this distance even a standing wave has 4/5 of its
 /// pressure.
@@ -43,7 +40,7 @@ impl Axis {
     ///
     /// # Errors
     /// An unknown name.
-    pub fn named(name: &str) -> Result<Self, Error> {
+    pub fn named(name: &str) -> Result<Self> {
         let names = [("x", Self::X), ("y", Self::Y), ("z", Self::Z)];
         find("axis", name, &names, |(name, _)| name).map(|(_, axis)| *axis)
     }
@@ -90,7 +87,7 @@ impl Plane {
     ///
     /// # Errors
     /// The errors of [`Plane::normal_to`].
-    pub fn new(z: f64, size: f64, pixels: usize, center: [f64; 2]) -> Result<Self, Error> {
+    pub fn new(z: f64, size: f64, pixels: usize, center: [f64; 2]) -> Result<Self> {
         Self::normal_to(Axis::Z, z, size, pixels, center)
     }
 
@@ -98,12 +95,10 @@ impl Plane {
     ///
     /// # Errors
     /// A coordinate that is not finite, a size that is not above 0, fewer than 2 or more than 8192 pixels.
-    pub fn normal_to(axis: Axis, at: f64, size: f64, pixels: usize, center: [f64; 2]) -> Result<Self, Error> {
+    pub fn normal_to(axis: Axis, at: f64, size: f64, pixels: usize, center: [f64; 2]) -> Result<Self> {
         vector(&format!("plane {axis} and center"), &[at, center[0], center[1]])?;
         real("plane.size", size, 0.0, true)?;
-        if !(2..=8192).contains(&pixels) {
-            return Err(Error::out_of_range("plane.pixels", pixels, "give 2 to 8192"));
-        }
+        refuse_if!(!(2..=8192).contains(&pixels), Error::out_of_range("plane.pixels", pixels, "give 2 to 8192"));
         Ok(Self { axis, at, size, pixels, center })
     }
 
@@ -174,7 +169,7 @@ impl Plane {
     ///
     /// # Errors
     /// If both are given, or z for an axis other than z.
-    pub fn place(axis: Axis, z: Option<f64>, at: Option<f64>) -> Result<Option<f64>, Error> {
+    pub fn place(axis: Axis, z: Option<f64>, at: Option<f64>) -> Result<Option<f64>> {
         match (axis, z, at) {
             (_, Some(_), Some(at)) => Err(Error::invalid("plane.at", at, "z is given too: give one of them")),
             (Axis::X | Axis::Y, Some(z), None) => {

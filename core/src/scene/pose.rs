@@ -1,7 +1,5 @@
 //! Pose: a rotation and a translation, by which an array is moved.
 
-use core::f64::consts::PI;
-
 use crate::linalg::symmetric::eigen;
 use crate::prelude::*;
 use crate::scene::geometry::{middle, vector};
@@ -36,7 +34,7 @@ impl Pose {
     /// # Errors
     /// Another number of numbers, one that is not finite, an angle above 2 pi, as one in degrees is, a matrix that is no
     /// rotation, a quaternion of length 0.
-    pub fn new(rotation: &[f64], translation: [f64; 3]) -> Result<Self, Error> {
+    pub fn new(rotation: &[f64], translation: [f64; 3]) -> Result<Self> {
         vector("translation", &translation)?;
         if let Some(x) = rotation.iter().find(|x| !x.is_finite()) {
             return Err(Error::not_finite("rotation", x));

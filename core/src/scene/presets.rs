@@ -4,9 +4,8 @@ use crate::device::board;
 use crate::device::quantization::Quantization;
 use crate::error;
 use crate::prelude::*;
-use crate::scene::directivity::Directivity;
 use crate::scene::geometry::lattice;
-use crate::scene::transducer::Transducer;
+use crate::scene::{Directivity, Transducer};
 
 /// An array with a name.
 #[derive(Clone, Copy, Debug)]
@@ -35,19 +34,19 @@ pub struct Preset {
 
 impl Preset {
     /// The phases and amplitudes that its board can play; `None` if there is no board.
-    pub(crate) fn quantization(&self) -> Result<Option<Quantization>, Error> {
+    pub(crate) fn quantization(&self) -> Result<Option<Quantization>> {
         self.board.map(|kind| board::format(kind)?.steps.quantization()).transpose()
     }
 
     /// The responses of `count` transducers that the board causes and cannot correct; `None` if all are 1.
-    pub(crate) fn response(&self, count: usize) -> Result<Option<Vec<Complex64>>, Error> {
+    pub(crate) fn response(&self, count: usize) -> Result<Option<Vec<Complex64>>> {
         let Some(kind) = self.board else { return Ok(None) };
         let format = board::format(kind)?;
         Ok(format.response((0..count).map(|i| format.channel(i))))
     }
 
     /// The frequency in Hz of real hardware; `None` for the arrays of the paper, which are point sources.
-    pub(crate) fn frequency(&self) -> Result<Option<f64>, Error> {
+    pub(crate) fn frequency(&self) -> Result<Option<f64>> {
         let frequency = self.board.map_or(Ok(40e3), |kind| Ok(board::format(kind)?.frequency))?;
         Ok((self.transducer != PAPER).then_some(frequency))
     }
@@ -219,7 +218,7 @@ pub const PRESETS: [Preset; 13] = [
 ///
 /// # Errors
 /// An unknown name; the error lists the known ones.
-pub fn find(name: &str) -> Result<&'static Preset, Error> {
+pub fn find(name: &str) -> Result<&'static Preset> {
     error::find("preset", name, &PRESETS, |preset| preset.name)
 }
 
@@ -262,7 +261,7 @@ fn openmpd() -> Vec<[f64; 3]> {
 /// A ring of transducers, counterclockwise. `first` is the angle of the first from +x, in rad.
 fn ring(count: u32, radius: f64, height: f64, first: f64) -> impl Iterator<Item = [f64; 3]> {
     (0..count).map(move |k| {
-        let angle = first + core::f64::consts::TAU * f64::from(k) / f64::from(count);
+        let angle = first + TAU * f64::from(k) / f64::from(count);
         [radius * math::cos(angle), radius * math::sin(angle), height]
     })
 }
@@ -288,7 +287,7 @@ fn bowl() -> Vec<[f64; 3]> {
         (7, 16.0e-3, -15.41e-3, 0.0),
         (1, 0.0, -17.19e-3, 0.0),
     ];
-    let first = |count: u32, steps: f64| core::f64::consts::TAU * (0.25 + steps / f64::from(count));
+    let first = |count: u32, steps: f64| TAU * (0.25 + steps / f64::from(count));
     RINGS
         .into_iter()
         .flat_map(|(count, radius, height, steps)| ring(count, radius, height, first(count, steps)))

@@ -1,7 +1,7 @@
-//! Request: target pressures of the control points, with or without phases, and weights; and their checks.
+//! Request: target pressures of the control points, with or without phases, and weights; starts; aims; and their checks.
 
-use crate::error::{ErrorCode, one_each, real};
 use crate::prelude::*;
+use crate::scene::words;
 
 /// Requested pressures (M,) in Pa, their phases (M,) in rad and weights (M,) of M points; each list may be left out.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -46,10 +46,8 @@ impl Request {
     /// # Errors
     /// No points; a list of another length; a value that is not finite, a negative pressure or weight; phases without
     /// pressures; nothing requested (every pressure 0 or every weight 0).
-    pub fn check(&self, points: usize) -> Result<(), Error> {
-        if points == 0 {
-            return Err(Error::missing("points", "empty", "give at least one point"));
-        }
+    pub fn check(&self, points: usize) -> Result<()> {
+        refuse_if!(points == 0, Error::missing("points", "empty", "give at least one point"));
         for (name, values) in [("pressures", &self.pressures), ("weights", &self.weights)] {
             let Some(values) = values else { continue };
             one_each(name, values.len(), "values", points, "points")?;
@@ -89,4 +87,38 @@ impl Request {
     pub(crate) fn weight(&self, j: usize) -> f64 {
         self.weights.as_ref().map_or(1.0, |weights| weights[j])
     }
+}
+
+/// Which level the methods `uniform` and `best` give the points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aim {
+    /// Reach the target pressures, and never exceed them.
+    Target,
+    /// The highest level that the array can make, with the targets' ratios unchanged.
+    Max,
+}
+
+words!(Aim: "target" = Self::Target, "max" = Self::Max);
+
+/// Where an iterative method begins.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Start {
+    /// A drive (N,), |q| <= 1.
+    Drive(Vec<Complex32>),
+    /// Phases (M,) in rad of the pressures at the points.
+    Phases(Vec<f64>),
+}
+
+/// Checks that a drive has one finite value of modulus at most 1 for each transducer.
+pub(crate) fn check_drive(drive: &[Complex32], transducers: usize) -> Result<()> {
+    one_each("drive", drive.len(), "values", transducers, "transducers")?;
+    for (i, q) in drive.iter().enumerate() {
+        let modulus = math::modulus(*q);
+        refuse_if!(!modulus.is_finite(), Error::not_finite(format!("drive[{i}]"), q));
+        if modulus > 1.0 + 1e-6 {
+            let cure = "a drive's modulus is at most 1; divide all by the largest, or each above 1 by its own";
+            return Err(Error::invalid(format!("drive[{i}]"), q, cure));
+        }
+    }
+    Ok(())
 }

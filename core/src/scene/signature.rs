@@ -1,6 +1,6 @@
 //! Signature: factors of modulus 1 for each transducer and point that turn a focus into a trap.
 
-use crate::error::{find, one_each};
+use crate::error::find;
 use crate::prelude::*;
 use crate::scene::Array;
 
@@ -67,7 +67,7 @@ impl Signature {
     ///
     /// # Errors
     /// An unknown name.
-    pub fn named(name: &str) -> Result<Self, Error> {
+    pub fn named(name: &str) -> Result<Self> {
         find("signature", name, &KNOWN, |known| known.0).map(|known| known.1.clone())
     }
 
@@ -75,7 +75,7 @@ impl Signature {
     ///
     /// # Errors
     /// An unknown name.
-    pub fn of_point(name: &str) -> Result<Self, Error> {
+    pub fn of_point(name: &str) -> Result<Self> {
         let known: [(&str, Self); 4] = core::array::from_fn(|k| KNOWN.get(k).cloned().unwrap_or((FOCUS, Self::Focus)));
         find("signature", name, &known, |known| known.0).map(|known| known.1.clone())
     }
@@ -124,7 +124,7 @@ impl Signature {
     }
 
     /// Checks that given factors have modulus 1 and the right number, and that a list names one signature for each point.
-    pub(crate) fn check(&self, transducers: usize, points: usize) -> Result<(), Error> {
+    pub(crate) fn check(&self, transducers: usize, points: usize) -> Result<()> {
         if let Self::Each(each) = self {
             one_each("signature", each.len(), "names", points, "points")?;
             let nested = |one: &Self| matches!(one, Self::Each(_) | Self::Given(_));

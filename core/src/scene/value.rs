@@ -1,9 +1,7 @@
 //! Values: options as bindings pass them, and their conversion to Rust types.
 
 use alloc::collections::BTreeMap;
-use core::fmt;
 
-use crate::error::same_name;
 use crate::prelude::*;
 
 /// The value of an option, as a binding passes it.
@@ -47,7 +45,7 @@ pub trait OptionValue: Sized {
     ///
     /// # Errors
     /// A value of another kind or out of range.
-    fn read(item: &str, value: &Value) -> Result<Self, Error>;
+    fn read(item: &str, value: &Value) -> Result<Self>;
     /// The option's value as a [`Value`].
     fn show(&self) -> Value;
 }
@@ -58,7 +56,7 @@ fn integer<T: TryFrom<i128>>(value: &Value) -> Option<T> {
 }
 
 impl OptionValue for u64 {
-    fn read(item: &str, value: &Value) -> Result<Self, Error> {
+    fn read(item: &str, value: &Value) -> Result<Self> {
         integer(value).ok_or_else(|| Error::wrong_type(item, value, "give a whole number from 0 to 2^64 - 1"))
     }
 
@@ -68,7 +66,7 @@ impl OptionValue for u64 {
 }
 
 impl OptionValue for u32 {
-    fn read(item: &str, value: &Value) -> Result<Self, Error> {
+    fn read(item: &str, value: &Value) -> Result<Self> {
         integer(value).ok_or_else(|| Error::wrong_type(item, value, "give a whole number, 0 or above"))
     }
 
@@ -78,7 +76,7 @@ impl OptionValue for u32 {
 }
 
 impl OptionValue for f64 {
-    fn read(item: &str, value: &Value) -> Result<Self, Error> {
+    fn read(item: &str, value: &Value) -> Result<Self> {
         match value {
             Value::Integer(number) => Ok(*number as Self),
             Value::Real(number) if number.is_finite() => Ok(*number),
@@ -95,7 +93,7 @@ impl OptionValue for f64 {
 ///
 /// # Errors
 /// Any other value; the error lists the words.
-pub fn word<T: Copy>(item: &str, value: &Value, words: &[(&'static str, T)]) -> Result<T, Error> {
+pub fn word<T: Copy>(item: &str, value: &Value, words: &[(&'static str, T)]) -> Result<T> {
     let entry = match value {
         Value::Text(text) => words.iter().find(|(word, _)| same_name(word, text)),
         _ => None,

@@ -1,6 +1,5 @@
 //! Walls: infinite planes as obstacles, and boards that reflect, each with a mirror that faces the array.
 
-use crate::error::{ErrorCode, real};
 use crate::prelude::*;
 use crate::scene::geometry::vector;
 use crate::scene::surface::{ON, Surface};
@@ -46,7 +45,7 @@ pub(crate) fn mirror(
     kind: Surface,
     array: &Array,
     medium: Medium,
-) -> Result<Mirror, Error> {
+) -> Result<Mirror> {
     vector(&format!("{item}.point"), &point)?;
     vector(&format!("{item}.normal"), &normal)?;
     let largest = normal.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -78,7 +77,7 @@ impl Array {
     ///
     /// # Errors
     /// A part out of range; another array than two flat boards that face each other.
-    pub fn with_reflecting(mut self, reflecting: f64) -> Result<Self, Error> {
+    pub fn with_reflecting(mut self, reflecting: f64) -> Result<Self> {
         let part = real("array.reflecting", reflecting, 0.0, false)?;
         if part > 1.0 {
             return Err(Error::out_of_range("array.reflecting", part, "give the part of |p| that returns, 0 to 1"));
@@ -115,7 +114,7 @@ fn face(array: &Array) -> bool {
 
 /// Checks that two walls are compatible; `other` names the second. Image sources give the right reflections only for walls that
 /// are parallel or at right angles.
-pub(crate) fn compatible((k, wall): (usize, &Mirror), (other, before): (&str, &Mirror)) -> Result<(), Error> {
+pub(crate) fn compatible((k, wall): (usize, &Mirror), (other, before): (&str, &Mirror)) -> Result<()> {
     let cosine = wall.normal.dot(before.normal);
     if cosine.abs() > SQUARE && cosine.abs() < 1.0 - SQUARE {
         let angle = math::acos(cosine).to_degrees();

@@ -3,7 +3,6 @@
 use crate::device::board::{self, Board};
 use crate::device::channels::Channels;
 use crate::device::format::Layout;
-use crate::error::one_each;
 use crate::prelude::*;
 use crate::scene::array::Array;
 
@@ -12,7 +11,7 @@ impl Array {
     ///
     /// # Errors
     /// An unknown name, tiles of 0, tiles for a kind that cannot be tiled.
-    pub fn of_board(kind: &str, tiles: [usize; 2]) -> Result<Self, Error> {
+    pub fn of_board(kind: &str, tiles: [usize; 2]) -> Result<Self> {
         let format = board::format(kind)?;
         match format.layout {
             Layout::Preset(name) | Layout::Example(name) => Self::preset(name, tiles),
@@ -42,7 +41,7 @@ impl Array {
     /// assert_eq!((board.len(), board.channels()), (72, &[0, 1][..]));
     /// # Ok::<(), midair::Error>(())
     /// ```
-    pub fn board(&self, kind: &str) -> Result<Board, Error> {
+    pub fn board(&self, kind: &str) -> Result<Board> {
         let format = board::format(kind)?;
         let board = match (self.wiring(), self.pins()) {
             (Some(_), Some(_)) => {
@@ -79,17 +78,12 @@ impl Array {
     ///
     /// # Errors
     /// An unknown name, more transducers or channels than the boards have, the errors of [`Board::with_channels`].
-    pub fn board_on(&self, kind: &str, channels: Vec<usize>) -> Result<Board, Error> {
+    pub fn board_on(&self, kind: &str, channels: Vec<usize>) -> Result<Board> {
         let (count, owners) =
             self.wiring().map_or((self.len(), "transducers"), |wired| (wired.count(), "channels of the array"));
         one_each("channels", channels.len(), "of them", count, owners)?;
         let board = Board::on(kind, channels, self.wiring())?;
         board.correcting(self.response().is_none()).with_live(self.live())
-    }
-
-    /// Whether each transducer emits (N,).
-    fn live(&self) -> Vec<bool> {
-        (0..self.len()).map(|i| self.effect(i) != Complex64::ZERO).collect()
     }
 
     /// Returns a copy of this array with several transducers wired to one channel: `channels` (N,) gives the channel of each
@@ -98,18 +92,21 @@ impl Array {
     ///
     /// # Errors
     /// The errors of [`Channels::new`].
-    pub fn with_channels(mut self, channels: Option<Vec<usize>>) -> Result<Self, Error> {
+    pub fn with_channels(mut self, channels: Option<Vec<usize>>) -> Result<Self> {
         self.channels = channels.map_or(Ok(None), |channels| Channels::new(channels, self.len()))?;
         Ok(self)
     }
+}
+
+getters! {
+    Array:
+
+    /// Whether each transducer emits (N,).
+    live(self) -> Vec<bool> = (0..self.len()).map(|i| self.effect(i) != Complex64::ZERO).collect();
 
     /// The driven channel of each transducer (N,), or `None` where each has its own.
-    pub fn channels(&self) -> Option<&[usize]> {
-        self.wiring().map(Channels::of)
-    }
+    pub channels(self) -> Option<&[usize]> = self.wiring().map(Channels::of);
 
     /// The wiring as [`Channels`].
-    pub fn wiring(&self) -> Option<&Channels> {
-        self.channels.as_ref()
-    }
+    pub wiring(self) -> Option<&Channels> = self.channels.as_ref();
 }

@@ -1,8 +1,6 @@
 //! Ahead: the drives of a whole sequence at once; each transducer gets the best track over all frames.
 
-use crate::control::bytes;
 use crate::device::quantization::steps_within;
-use crate::error::real;
 use crate::prelude::*;
 use crate::propagation::Model;
 use crate::sequence::alternation::{ComplexWeights, field, follow};
@@ -75,7 +73,7 @@ pub fn ahead(
     ahead: &Ahead,
     start: Option<&[u16]>,
     control: &mut Control,
-) -> Result<Vec<u16>, Error> {
+) -> Result<Vec<u16>> {
     let circle = ahead.circle()?;
     let frames = Frames::new(model, points, targets, frames, control)?;
     let (count, transducers) = (frames.count, frames.transducers);
@@ -115,20 +113,18 @@ pub fn ahead(
 }
 
 impl Ahead {
-    pub(super) fn circle(&self) -> Result<Circle, Error> {
+    pub(super) fn circle(&self) -> Result<Circle> {
         let change = real("change", self.change, 0.0, false)?;
         if !(2..=1 << 16).contains(&self.phases) {
             return Err(Error::out_of_range("phases", self.phases, "give 2 to 65536"));
         }
-        if self.rounds == 0 {
-            return Err(Error::out_of_range("rounds", 0, "give at least 1: the first finds the tracks"));
-        }
+        refuse_if!(self.rounds == 0, Error::out_of_range("rounds", 0, "give at least 1: the first finds the tracks"));
         let reach = steps_within(change, self.phases).min(self.phases.into()) as usize;
         Ok(Circle::new(self.phases as usize, reach))
     }
 }
 
-fn check_start(start: &[u16], count: usize, transducers: usize, phases: u32) -> Result<(), Error> {
+fn check_start(start: &[u16], count: usize, transducers: usize, phases: u32) -> Result<()> {
     if start.len() != count * transducers {
         let cure = format!("give {transducers} in each of the {count} frames");
         return Err(Error::shape("start", format!("{} codes", start.len()), cure));
@@ -151,7 +147,7 @@ pub(super) fn transpose(from: &[u16], rows: usize, to: &mut [u16]) {
 }
 
 /// Reports a step to the caller; returns an error if it requests a stop.
-fn step(frames: &Frames, step: usize, steps: usize, field: &[Vec<f32>; 2], control: &mut Control) -> Result<(), Error> {
+fn step(frames: &Frames, step: usize, steps: usize, field: &[Vec<f32>; 2], control: &mut Control) -> Result<()> {
     match control.step(step, steps, || frames.unevenness(field)) {
         core::ops::ControlFlow::Continue(()) => Ok(()),
         core::ops::ControlFlow::Break(()) => Err(Error::stopped()),

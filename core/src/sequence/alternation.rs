@@ -5,7 +5,7 @@
 //! tracks gives the next phases (Gerchberg-Saxton over all frames at once), and larger or smaller weights for points
 //! that are too weak or too loud (Di Leonardo et al., Opt. Express 15(4), 2007).
 
-use crate::math::{sqrtf, unit};
+use crate::math::unit;
 use crate::prelude::*;
 use crate::sequence::frames::{Frames, Visit};
 use crate::sequence::track::{Circle, Ends, Tracker};
@@ -94,7 +94,7 @@ pub(super) fn follow(
     ends: Ends,
     codes: &mut [u16],
     control: &mut Control,
-) -> Result<[Vec<f32>; 2], Error> {
+) -> Result<[Vec<f32>; 2]> {
     let [pull_re, pull_im] = &weights.pull();
     let worker = || (Tracker::new(circle, frames.count, frames.set()), [(); 2].map(|()| vec![0.0; frames.count]));
     frames.gather(
@@ -123,7 +123,7 @@ pub(super) fn field(
     circle: &Circle,
     codes: &mut [u16],
     control: &mut Control,
-) -> Result<[Vec<f32>; 2], Error> {
+) -> Result<[Vec<f32>; 2]> {
     frames.gather(
         codes,
         &|| (),

@@ -1,7 +1,5 @@
 //! Evening out: changes single codes, where their neighbours in time allow it, until each frame is even.
 
-use crate::control::bytes;
-use crate::math::sqrtf;
 use crate::prelude::*;
 use crate::sequence::frames::{Frames, TOGETHER};
 use crate::sequence::track::{Circle, Ends};
@@ -26,7 +24,7 @@ pub(super) fn even_out(
     ends: Ends,
     codes: &mut [u16],
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     let (transducers, points) = (frames.transducers, frames.points);
     let lanes = frames.blocks[0].lanes();
     control.room("G of some frames", [transducers, points], bytes(8, &[transducers, lanes]))?;
@@ -87,7 +85,7 @@ struct One<'a> {
 
 impl One<'_> {
     /// Changes codes until the frame is even or no change helps; returns whether it is even.
-    fn settle(&mut self, codes: &mut [u16], control: &mut Control) -> Result<bool, Error> {
+    fn settle(&mut self, codes: &mut [u16], control: &mut Control) -> Result<bool> {
         for i in 0..self.frames.transducers {
             self.turn(i, [0.0; 2], self.circle.drive(codes[self.start + i]));
         }

@@ -1,16 +1,15 @@
 //! First guess: the field of each frame's even drive, found from the drive of the frame before.
 
 use crate::math::{atan2, phasor};
-use crate::prelude::*;
-use crate::problem::{Problem, Setup, Status};
+use crate::problem::Setup;
 use crate::scene::{Aim, Request, Start};
 use crate::sequence::frames::Frames;
+use crate::solvers::prelude::*;
 use crate::solvers::{Solve, Uniform};
-use crate::workspace::Workspace;
 
 /// Returns the field (T, M) of a first guess, real and imaginary parts. If it is `closed`, each point's phase is turned
 /// back a little in each frame, so that the first frame follows the last without a jump.
-pub(super) fn guess(frames: &Frames, closed: bool, control: &mut Control) -> Result<[Vec<f32>; 2], Error> {
+pub(super) fn guess(frames: &Frames, closed: bool, control: &mut Control) -> Result<[Vec<f32>; 2]> {
     let (count, points) = (frames.count, frames.points);
     let mut field = [vec![0.0; frames.lanes()], vec![0.0; frames.lanes()]];
     // This setup has no channels: each column of G counts as one transducer, also if it is a channel.
@@ -33,9 +32,7 @@ pub(super) fn guess(frames: &Frames, closed: bool, control: &mut Control) -> Res
             problem = problem.with_start(Start::Drive(drive))?;
         }
         let solution = Uniform::default().solve(&problem, &mut work, &mut control.part())?;
-        if solution.status == Status::Stopped {
-            return Err(Error::stopped());
-        }
+        refuse_if!(solution.status == Status::Stopped, Error::stopped());
         for (&k, p) in there.iter().zip(&solution.pressures) {
             if frame < count {
                 (field[0][k], field[1][k]) = (p.re, p.im);

@@ -1,12 +1,10 @@
 //! Frames: the points of a whole sequence, their targets, and G of one transducer at all of them.
 
-use crate::control::bytes;
 use crate::device::channels::Channels;
-use crate::error::{ErrorCode, real};
-use crate::kernels::{InstructionSet, LANES, padded};
-use crate::prelude::*;
+use crate::kernels::padded;
 use crate::propagation::{Model, Propagation};
 use crate::scene::check_places;
+use crate::solvers::prelude::*;
 
 /// Number of frames whose rows of G are computed together. Their points fill whole lane groups, whatever M is.
 pub(super) const TOGETHER: usize = LANES;
@@ -39,7 +37,7 @@ impl<'a> Frames<'a> {
         targets: &[f64],
         frames: usize,
         control: &mut Control,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         if frames < 2 {
             return Err(Error::out_of_range("frames", frames, "give at least 2: a single one is solved by a solver"));
         }
@@ -156,9 +154,9 @@ impl<'a> Frames<'a> {
         &self,
         codes: &mut [u16],
         worker: &(dyn Fn() -> W + Sync),
-        each: &(dyn Fn(&mut W, Visit<'_>, &mut Control) -> Result<(), Error> + Sync),
+        each: &(dyn Fn(&mut W, Visit<'_>, &mut Control) -> Result<()> + Sync),
         control: &mut Control,
-    ) -> Result<[Vec<f32>; 2], Error> {
+    ) -> Result<[Vec<f32>; 2]> {
         let share = self.transducers.div_ceil(PARTS);
         let count = self.transducers.div_ceil(share);
         let lanes = self.lanes();

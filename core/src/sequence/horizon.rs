@@ -4,14 +4,11 @@
 //! other frames becomes final. The rest is the initial guess for the next window. In trials this was as loud, within
 //! 0.3 %, as a window that advances by one frame, in a quarter of the time.
 
-use crate::device::quantization::Quantization;
-use crate::error::Notice;
-use crate::prelude::*;
 use crate::propagation::Model;
 use crate::scene::Aim;
-use crate::sequence::ahead::{Ahead, ahead};
-use crate::sequence::stiff::stiffen;
-use crate::sequence::track::{Circle, Ends};
+use crate::sequence::track::Circle;
+use crate::sequence::{Ahead, Ends, ahead, stiffen};
+use crate::solvers::prelude::*;
 use crate::solvers::remark::Remark;
 
 /// Number of phases that is used for a board that can play any phase.
@@ -71,7 +68,7 @@ impl Tracks {
         closed: bool,
         start: Option<&[u16]>,
         control: &mut Control,
-    ) -> Result<Vec<u16>, Error> {
+    ) -> Result<Vec<u16>> {
         let (transducers, Table { points, targets, frames, first }) = (self.model.array().len(), table);
         if !targets.iter().any(|&target| target > 0.0) {
             let still = start.map_or_else(|| vec![0; transducers], |codes| codes[..transducers].to_vec());
@@ -112,7 +109,7 @@ impl Tracks {
         margin: usize,
         codes: &mut [u16],
         control: &mut Control,
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         let ends = if closed { Ends::Closed } else { Ends::Open };
         let how = Ahead { change: self.change, phases: self.phases(), ends, rounds: 1 };
         stiffen(&self.model, points, &how, rate, margin, codes, control)
@@ -123,7 +120,7 @@ impl Tracks {
     ///
     /// # Errors
     /// The errors of [`Model::propagation`]; a stop.
-    pub fn drives(&self, table: Table<'_>, codes: &[u16], control: &mut Control) -> Result<Vec<Complex32>, Error> {
+    pub fn drives(&self, table: Table<'_>, codes: &[u16], control: &mut Control) -> Result<Vec<Complex32>> {
         let (array, Table { points, targets, frames, .. }) = (self.model.array(), table);
         let (count, circle) = (points.len() / frames, Circle::new(self.phases() as usize, 0));
         let on: Vec<bool> = (0..array.len()).map(|i| array.effect(i) != Complex64::ZERO).collect();
@@ -214,7 +211,7 @@ impl Horizon {
     ///
     /// # Errors
     /// The errors of [`Tracks::codes`].
-    pub fn advance(&mut self, control: &mut Control) -> Result<Option<Vec<u16>>, Error> {
+    pub fn advance(&mut self, control: &mut Control) -> Result<Option<Vec<u16>>> {
         let (transducers, returned) = (self.tracks.model.array().len(), self.done.min(1));
         if self.frames.len() == returned {
             return Ok(None);
@@ -232,7 +229,7 @@ impl Horizon {
     }
 
     /// Returns the codes of all frames of the window; those of the first `returned` frames stay.
-    fn plan(&self, returned: usize, control: &mut Control) -> Result<Vec<u16>, Error> {
+    fn plan(&self, returned: usize, control: &mut Control) -> Result<Vec<u16>> {
         let (transducers, frames) = (self.tracks.model.array().len(), self.frames.len());
         let count = self.frames.iter().map(|(points, _)| points.len()).max().unwrap_or_default();
         let (mut points, mut targets) = (Vec::new(), Vec::new());

@@ -13,13 +13,9 @@
 //! takes the track of the board's phases that is nearest to its phases ([`Tracker`]). At the end single phases are
 //! exchanged within the bound, so that beads rest at their points.
 
-use core::f64::consts::{PI, TAU};
 use core::ops::ControlFlow;
 
-use crate::control::bytes;
 use crate::device::channels::Channels;
-use crate::device::quantization::Quantization;
-use crate::prelude::*;
 use crate::propagation::Model;
 use crate::propagation::forces::stiffness::Stiffness;
 use crate::sequence::ahead::{Ahead, transpose};
@@ -27,7 +23,7 @@ use crate::sequence::even_out::neighbours;
 use crate::sequence::frames::{Frames, TOGETHER};
 use crate::sequence::track::{Circle, Ends, Tracker};
 use crate::solvers::even_field::traps::between::{Neighbours, carry_along, exchange, improve};
-use crate::workspace::Workspace;
+use crate::solvers::prelude::*;
 
 /// Number of sweeps over all frames.
 const SWEEPS: usize = 24;
@@ -52,7 +48,7 @@ pub fn stiffen(
     margin: usize,
     codes: &mut [u16],
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     let (array, channels) = (model.array(), model.array().wiring());
     let count = codes.len() / array.len();
     if codes.len() != count * array.len() {
@@ -77,9 +73,7 @@ pub fn stiffen(
         for chosen in lap.parts() {
             lap.visit(&chosen, &mut drives, (step >= SWEEPS).then_some(&board), control)?;
         }
-        if control.step(step + 1, steps, || 0.0) == ControlFlow::Break(()) {
-            return Err(Error::stopped());
-        }
+        refuse_if!(control.step(step + 1, steps, || 0.0) == ControlFlow::Break(()), Error::stopped());
     }
     for (code, q) in columns.iter_mut().zip(&drives) {
         *code = circle.nearest(*q);
@@ -134,7 +128,7 @@ impl Lap<'_> {
         drives: &mut [Complex32],
         board: Option<&Quantization>,
         control: &mut Control,
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         let transducers = self.frames.transducers;
         let mut rows = vec![Complex32::ZERO; chosen.len() * transducers];
         let share = chosen.len().div_ceil(control.threads()).max(1);
@@ -166,7 +160,7 @@ impl Lap<'_> {
     }
 
     /// Returns the traps of a frame with the forces that their beads need for their acceleration.
-    fn traps(&self, t: usize, drive: &[Complex32], control: &mut Control) -> Result<Option<Stiffness>, Error> {
+    fn traps(&self, t: usize, drive: &[Complex32], control: &mut Control) -> Result<Option<Stiffness>> {
         let each = self.frames.points;
         let first = t % TOGETHER * each;
         let Some((.., Some(recipe))) = self.frames.blocks[t / TOGETHER].origin() else { return Ok(None) };
@@ -188,7 +182,7 @@ impl Lap<'_> {
     }
 
     /// Writes to `codes` (T, N) the tracks of the board's phases that are nearest to the drives.
-    fn follow(&self, drives: &[Complex32], ends: Ends, codes: &mut [u16], control: &mut Control) -> Result<(), Error> {
+    fn follow(&self, drives: &[Complex32], ends: Ends, codes: &mut [u16], control: &mut Control) -> Result<()> {
         let (count, transducers) = (self.frames.count, self.frames.transducers);
         let mut tracks = vec![0; codes.len()];
         transpose(codes, count, &mut tracks);

@@ -4,12 +4,9 @@
 //! Dynamic programming finds it (Viterbi, IEEE Trans. Inf. Theory 13(2), 1967): frame by frame, for every phase, the
 //! largest sum of a track that ends there; then the track back from the best end. No other search gives a better track.
 
-use core::f64::consts::TAU;
-
-use crate::kernels::InstructionSet;
 use crate::kernels::track::{Gain, advance, advance_floats};
 use crate::math::{phase, phasor, round};
-use crate::prelude::*;
+use crate::solvers::prelude::*;
 
 /// A device's phases 2 pi l / L, and the largest change of a transducer's phase from one frame to the next.
 pub(super) struct Circle {
@@ -95,7 +92,7 @@ impl<'a> Tracker<'a> {
         ends: Ends,
         codes: &mut [u16],
         control: &mut Control,
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         let levels = self.circle.levels;
         if ends != Ends::Held {
             self.best[..levels].fill(0.0);
@@ -133,7 +130,7 @@ impl<'a> Tracker<'a> {
     }
 
     /// Computes all frames after the first, each from the one before.
-    fn lap(&mut self, waves: [&[f32]; 2], base: usize, control: &mut Control) -> Result<(), Error> {
+    fn lap(&mut self, waves: [&[f32]; 2], base: usize, control: &mut Control) -> Result<()> {
         for frame in 1..waves[0].len() {
             control.pulse()?;
             self.step(waves, frame - 1, frame, base);

@@ -2,8 +2,8 @@
 
 use core::cmp::Reverse;
 
-use crate::prelude::*;
-use crate::problem::{Metrics, Solution, Status};
+use crate::problem::Metrics;
+use crate::solvers::prelude::*;
 use crate::solvers::remark::{KINDS, Remark};
 
 /// The results of [`crate::Session::solve_batch`] besides the drives, for B problems of M points.

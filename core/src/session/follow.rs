@@ -1,9 +1,8 @@
 //! Follow: solves the frames of a motion one after another, each with the previous one as its start.
 
-use crate::prelude::*;
-use crate::problem::Status;
 use crate::scene::Start;
 use crate::session::{Session, SolveRequest};
+use crate::solvers::prelude::*;
 
 /// Moving points: T frames of M points.
 #[derive(Clone, Copy, Debug, Default)]
@@ -50,7 +49,7 @@ impl Session {
         ask: &mut SolveRequest,
         drives: &mut [Complex32],
         control: &mut Control,
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         let (transducers, Frames { points: all, targets, count, margin, .. }) = (self.transducers(), frames);
         let steps = drives.len() / transducers;
         let fits = |length: usize, frames: usize| length == frames * count;
@@ -109,9 +108,7 @@ impl Session {
             });
             self.last.around.0.clear();
             let status = status.map_err(|error| error.of_one("frames", frames.first + t))?;
-            if status == Status::Stopped {
-                return Err(Error::stopped());
-            }
+            refuse_if!(status == Status::Stopped, Error::stopped());
             before = Some(row.start);
             control.pulse()?;
         }

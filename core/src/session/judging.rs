@@ -1,13 +1,10 @@
 //! Judging: computes the metrics of many drives, each at its own points, sixteen at a time, over all threads.
 
-use crate::control::bytes;
-use crate::kernels::LANES;
-use crate::prelude::*;
-use crate::problem::judgement::Precision;
-use crate::problem::metrics::Metrics;
-use crate::session::Session;
-use crate::session::worker::{Requests, SolveRequest, Task, Worker};
+use crate::problem::{Metrics, Precision};
+use crate::session::worker::{Requests, Task, Worker};
+use crate::session::{Session, SolveRequest};
 use crate::solvers::common::interleaved_batch;
+use crate::solvers::prelude::*;
 
 /// Consecutive drives, and where their metrics are written.
 struct Judged<'a> {
@@ -46,11 +43,11 @@ impl Session {
         &mut self,
         count: usize,
         points: usize,
-        ask: &(dyn Fn(usize, &mut SolveRequest) -> Result<(), Error> + Sync),
+        ask: &(dyn Fn(usize, &mut SolveRequest) -> Result<()> + Sync),
         drives: &[Complex32],
         precision: Precision,
         control: &mut Control,
-    ) -> Result<Vec<Metrics>, Error> {
+    ) -> Result<Vec<Metrics>> {
         let taken = bytes(size_of::<Metrics>(), &[count]);
         let (transducers, threads, share) = self.shared_out(count, points, drives.len(), taken, control)?;
         let (task, requests) = (&self.task, Requests { points, ask });
@@ -88,7 +85,7 @@ impl Worker {
         requests: Requests<'_>,
         precision: Precision,
         control: &mut Control,
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         let transducers = drives.len() / metrics.len();
         for (k, (drives, metrics)) in drives.chunks(LANES * transducers).zip(metrics.chunks_mut(LANES)).enumerate() {
             control.pulse()?;

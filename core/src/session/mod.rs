@@ -14,21 +14,16 @@ pub use moving::{FOLLOWER, Moving, Pace, Pull, Trajectory, meant, sight};
 pub use moving_solver::{MovingSolver, Played};
 pub use worker::SolveRequest;
 
-use crate::control::bytes;
-use crate::error::Notice;
-use crate::kernels::LANES;
-use crate::prelude::*;
-use crate::problem::{Problem, Setup, Solution};
+use crate::problem::Setup;
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Choice, Options, Vicinity, contrary};
 use crate::session::batch::{Outcome, Tally};
 use crate::session::parts::{Part, parts};
 use crate::session::worker::{Requests, Task, Transducers, Worker};
-use crate::solvers::last::Last;
-use crate::solvers::method::Solve;
-use crate::solvers::registry::{DEFAULT, configure};
-use crate::solvers::remark::{KINDS, Remark, remarks};
+use crate::solvers::prelude::*;
+use crate::solvers::remark::KINDS;
 use crate::solvers::solve::solve_after;
+use crate::solvers::{DEFAULT, Last, Remark, configure, remarks};
 
 /// How many entries of the propagation matrix G a thread computes between two calls of the control. This takes `fast` about 100
 /// us, much longer than to wake a thread.
@@ -81,7 +76,7 @@ impl Session {
     ///
     /// # Errors
     /// The errors of [`configure`].
-    pub fn chosen(model: Model, choice: Option<&Choice>) -> Result<Self, Error> {
+    pub fn chosen(model: Model, choice: Option<&Choice>) -> Result<Self> {
         let default = || Choice::new(DEFAULT.into(), Options::new());
         let choice = choice.cloned().map_or_else(default, Ok)?;
         let configured = configure(&choice, model.array().quantization())?;
@@ -99,7 +94,7 @@ impl Session {
         setup: Setup,
         solver: impl Into<Arc<dyn Solve + Send + Sync>>,
         balance: bool,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let propagation = propagation.driven(setup.channels.as_ref())?;
         setup.check(&propagation)?;
         let transducers = Transducers::Given(propagation);
@@ -125,7 +120,7 @@ impl Session {
     /// # Errors
     /// The errors of [`Model::propagation`], [`Problem::with_propagation`], [`Problem::with_start`] and the method; points for
     /// a user's own propagation matrix G.
-    pub fn solve(&mut self, ask: &SolveRequest, control: &mut Control) -> Result<&Solution, Error> {
+    pub fn solve(&mut self, ask: &SolveRequest, control: &mut Control) -> Result<&Solution> {
         if self.workers.is_empty() {
             self.workers.push(Worker::default());
         }
@@ -179,10 +174,10 @@ impl Session {
         &mut self,
         count: usize,
         points: usize,
-        ask: &(dyn Fn(usize, &mut SolveRequest) -> Result<(), Error> + Sync),
+        ask: &(dyn Fn(usize, &mut SolveRequest) -> Result<()> + Sync),
         drives: &mut [Complex32],
         control: &mut Control,
-    ) -> Result<Batch, Error> {
+    ) -> Result<Batch> {
         let taken = bytes(8, &[count, points]).saturating_add(bytes(size_of::<Outcome>(), &[count]));
         let (transducers, threads, share) = self.shared_out(count, points, drives.len(), taken, control)?;
         let (task, requests) = (&self.task, Requests { points, ask });
@@ -230,7 +225,7 @@ impl Session {
         drives: usize,
         memory: u64,
         control: &mut Control,
-    ) -> Result<(usize, usize, usize), Error> {
+    ) -> Result<(usize, usize, usize)> {
         if count == 0 || points == 0 {
             return Err(Error::invalid("batch", count, "give at least one problem and one point"));
         }
@@ -290,28 +285,24 @@ impl Session {
         Some(far)
     }
 
-    /// The problem of the last request.
-    pub fn problem(&self) -> Option<&Problem> {
-        self.workers.first()?.problems.first()
-    }
-
-    /// The last solution, if the last call was successful.
-    pub fn solution(&self) -> Option<&Solution> {
-        self.solution.as_ref()
-    }
-
     /// Takes the last solution out of the session; the next call then allocates memory for another.
     pub fn take(&mut self) -> Option<Solution> {
         self.solution.take()
     }
+}
+
+getters! {
+    Session:
+
+    /// The problem of the last request.
+    pub problem(self) -> Option<&Problem> = self.workers.first()?.problems.first();
+
+    /// The last solution, if the last call was successful.
+    pub solution(self) -> Option<&Solution> = self.solution.as_ref();
 
     /// The number of transducers N.
-    pub fn transducers(&self) -> usize {
-        self.task.transducers.count(&self.task.setup)
-    }
+    pub transducers(self) -> usize = self.task.transducers.count(&self.task.setup);
 
     /// The number of points M of a user's own propagation matrix G; `None` for other sessions.
-    pub fn given_points(&self) -> Option<usize> {
-        self.task.transducers.points()
-    }
+    pub given_points(self) -> Option<usize> = self.task.transducers.points();
 }

@@ -1,24 +1,16 @@
 //! Moving: frames of points that move, the rules for what a request leaves out, and their solve one after another.
 
-use core::f64::consts::PI;
-use core::ops::Range;
-
-use crate::device::quantization::{Quantization, steps_within};
-use crate::error::{ErrorCode, Notice, frame_rate, real};
-use crate::kernels::InstructionSet;
+use crate::device::quantization::steps_within;
 use crate::math::{ceil, rint};
 use crate::points::{Path, PathFrames};
-use crate::prelude::*;
-use crate::problem::Problem;
 use crate::propagation::Model;
 use crate::propagation::forces::rest::{poised, rest};
 use crate::scene::{Aim, Bead, Choice, Options, Request, Scene, Signature, Value, figures};
 use crate::sequence::horizon::PHASES;
 use crate::session::{Frames, Session, SolveRequest};
-use crate::solvers::registry;
-use crate::solvers::remark::Remark;
+use crate::solvers::prelude::*;
 use crate::solvers::solve::solve;
-use crate::workspace::Workspace;
+use crate::solvers::{Remark, registry};
 
 /// Time in s, to each side, over which the acceleration of points is averaged. A bead oscillates much more slowly.
 const LOOK: f64 = 0.5e-3;
@@ -111,7 +103,7 @@ impl Trajectory {
     ///
     /// # Errors
     /// The errors of [`Path::frames`].
-    pub fn of(path: &Path, rate: f64) -> Result<Self, Error> {
+    pub fn of(path: &Path, rate: f64) -> Result<Self> {
         let PathFrames { points, targets } = path.frames(rate)?;
         let plain = !path.pascals() && targets.iter().all(|&target| target == 1.0);
         let targets = (!plain).then_some(targets);
@@ -139,7 +131,7 @@ impl Pace {
     ///
     /// # Errors
     /// `change` and `change_rate` together, or one below 0; the errors of [`frame_rate`].
-    pub fn bound(&self) -> Result<f64, Error> {
+    pub fn bound(&self) -> Result<f64> {
         frame_rate(self.rate)?;
         match (self.change, self.change_rate) {
             (Some(_), Some(other)) => {
@@ -154,7 +146,7 @@ impl Pace {
     ///
     /// # Errors
     /// The errors of [`Path::count`]; `closed` for a path that is not; a time constant below 0.
-    pub fn fits(&self, path: &Path) -> Result<(), Error> {
+    pub fn fits(&self, path: &Path) -> Result<()> {
         path.count(self.rate)?;
         real("tau", self.tau.unwrap_or_default(), 0.0, false)?;
         self.closes(Some(path.closed())).map(|_| ())
@@ -164,7 +156,7 @@ impl Pace {
     ///
     /// # Errors
     /// `closed` for a path that is not.
-    pub fn closes(&self, joined: Option<bool>) -> Result<bool, Error> {
+    pub fn closes(&self, joined: Option<bool>) -> Result<bool> {
         if self.closed == Some(true) && joined == Some(false) {
             return Err(Error::invalid("closed", true, "the path's end is not its start, leave it out"));
         }
@@ -175,7 +167,7 @@ impl Pace {
     ///
     /// # Errors
     /// An unknown solver, the errors of [`Pace::bound`], a time constant for a solver without one.
-    pub fn followed(&self, mut choice: Choice) -> Result<Choice, Error> {
+    pub fn followed(&self, mut choice: Choice) -> Result<Choice> {
         let options = registry::find(&choice.name)?.options();
         for (key, value) in [("change", Some(self.bound()?)), ("rate", Some(self.rate)), ("tau", self.tau)] {
             let Some(value) = value else { continue };
@@ -193,7 +185,7 @@ impl Pace {
     ///
     /// # Errors
     /// Another solver than the default one, options, a time constant.
-    pub fn together(&self, choice: &Choice) -> Result<(), Error> {
+    pub fn together(&self, choice: &Choice) -> Result<()> {
         if choice.name != FOLLOWER {
             let (name, cure) =
                 (format!("\"{}\"", choice.name), "with ahead the tracks are found by themselves, leave it out");
@@ -231,7 +223,7 @@ impl Moving {
         pace: Pace,
         ahead: Option<usize>,
         set: InstructionSet,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let closed = pace.closes(frames.joined)?;
         let Trajectory { points, targets, pascals, .. } = frames;
         let mut choice = scene.solver.take().map_or_else(|| Choice::new(FOLLOWER.into(), Options::new()), Ok)?;
@@ -401,7 +393,7 @@ impl Moving {
         model: &Model,
         drive: &[Complex32],
         control: &mut Control,
-    ) -> Result<Option<Notice>, Error> {
+    ) -> Result<Option<Notice>> {
         let &Pull { point, frame, velocity, acceleration } = pull;
         let (bead, place) = (self.scene.bead(), self.points[frame * self.count() + point]);
         if !self.closed && (frame == 0 || frame + 1 == self.frames()) {
@@ -425,7 +417,7 @@ impl Moving {
         model: &Model,
         drive: &[Complex32],
         control: &mut Control,
-    ) -> Result<Option<Notice>, Error> {
+    ) -> Result<Option<Notice>> {
         let (Bead { particle, gravity }, place) = (self.scene.bead(), self.points[frame * self.count() + point]);
         let speed = Vec3(velocity).norm();
         if speed < SLOW || self.targets[frame * self.count() + point] == 0.0 {
@@ -464,7 +456,7 @@ impl Moving {
         drives: &[Complex32],
         model: &Model,
         control: &mut Control,
-    ) -> Result<Option<Notice>, Error> {
+    ) -> Result<Option<Notice>> {
         let transducers = model.array().len();
         for pull in self.pulls().iter().filter(|pull| range.contains(&pull.frame)) {
             let drive = &drives[(pull.frame - range.start) * transducers..][..transducers];
@@ -489,7 +481,7 @@ impl Moving {
     ///
     /// # Errors
     /// The errors of [`Session::chosen`].
-    pub fn session(&self, set: InstructionSet) -> Result<Session, Error> {
+    pub fn session(&self, set: InstructionSet) -> Result<Session> {
         Session::chosen(Model::of(&self.scene, set), self.scene.solver.as_ref())
     }
 }
@@ -518,7 +510,7 @@ impl Session {
         range: Range<usize>,
         drives: &mut [Complex32],
         control: &mut Control,
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         let (count, frames, first) = (moving.count(), moving.frames(), range.start);
         if range.is_empty() || range.end > frames {
             return Err(Error::invalid("frames", format!("{range:?}"), format!("give some of {frames}")));
@@ -557,7 +549,7 @@ fn evenly(
     levels: &[f64],
     set: InstructionSet,
     control: &mut Control,
-) -> Result<f64, Error> {
+) -> Result<f64> {
     let uniform = registry::find("uniform")?.configure(&Options::new())?.solver;
     let (mut work, mut least, mut last) = (Workspace::new(), f64::INFINITY, None);
     let frames = || points.chunks_exact(levels.len());
@@ -579,7 +571,7 @@ fn evenly(
 ///
 /// # Errors
 /// No whole number of at least 0, a word other than "all"; a closed sequence that does not know all.
-pub fn sight(ahead: Option<&Value>, closed: bool) -> Result<Option<usize>, Error> {
+pub fn sight(ahead: Option<&Value>, closed: bool) -> Result<Option<usize>> {
     let frames = match ahead {
         Some(Value::Text(word)) if word == "all" => return Ok(None),
         None => 0,

@@ -1,7 +1,5 @@
 //! Moving solver: solves the frames of a motion block after block, one after another or together with later ones.
 
-use core::ops::Range;
-
 use crate::prelude::*;
 use crate::propagation::Model;
 use crate::scene::Signature;
@@ -41,7 +39,7 @@ impl MovingSolver {
     ///
     /// # Errors
     /// The errors of [`Session::chosen`].
-    pub fn new(moving: impl Into<Arc<Moving>>, model: Model) -> Result<Self, Error> {
+    pub fn new(moving: impl Into<Arc<Moving>>, model: Model) -> Result<Self> {
         let moving = moving.into();
         let tracks = |model| Tracks { model, change: moving.change, aim: moving.aim };
         let method = match moving.ahead {
@@ -56,7 +54,7 @@ impl MovingSolver {
     ///
     /// # Errors
     /// The errors of [`Session::follow_moving`] or [`Tracks::codes`]; a stop.
-    pub fn block(&mut self, range: Range<usize>, control: &mut Control) -> Result<Played, Error> {
+    pub fn block(&mut self, range: Range<usize>, control: &mut Control) -> Result<Played> {
         let Self { moving, method } = self;
         let full = moving.is_full();
         let count = moving.count();

@@ -1,10 +1,7 @@
 //! Parts of the output of a batch, one for each worker.
 
-use core::ops::Range;
-
-use crate::prelude::*;
-use crate::problem::Solution;
 use crate::session::batch::Outcome;
+use crate::solvers::prelude::*;
 
 /// Where the solutions of consecutive problems are written.
 pub(super) struct Part<'a> {

@@ -1,19 +1,14 @@
 //! Worker: the memory in which one thread reads and solves requests, 16 at a time.
 
-use core::ops::Range;
-
-use crate::kernels::LANES;
-use crate::prelude::*;
-use crate::problem::{Problem, Setup, Solution, Status};
+use crate::problem::Setup;
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Aim, Request, Scene, Start};
 use crate::session::batch::{Outcome, Tally};
 use crate::session::parts::Part;
 use crate::solvers::common::interleaved_batch;
-use crate::solvers::method::Solve;
+use crate::solvers::prelude::*;
 use crate::solvers::remark::remarks;
 use crate::solvers::solve::{solve, solve_interleaved};
-use crate::workspace::Workspace;
 
 /// One request to a session.
 #[derive(Clone, Debug, Default)]
@@ -93,7 +88,7 @@ pub(super) struct Task {
 impl Task {
     /// Writes a request into problem `k`, which is added if there is none. The sums of |G| and the targets are still missing
     /// then.
-    pub(super) fn read(&self, problems: &mut Vec<Problem>, k: usize, ask: &SolveRequest) -> Result<(), Error> {
+    pub(super) fn read(&self, problems: &mut Vec<Problem>, k: usize, ask: &SolveRequest) -> Result<()> {
         let points = match &self.transducers {
             Transducers::Model(_) => Some(&ask.points[..]),
             Transducers::Given(_) if ask.points.is_empty() => None,
@@ -127,7 +122,7 @@ pub(super) struct Worker {
 #[derive(Clone, Copy)]
 pub(super) struct Requests<'a> {
     pub(super) points: usize,
-    pub(super) ask: &'a (dyn Fn(usize, &mut SolveRequest) -> Result<(), Error> + Sync),
+    pub(super) ask: &'a (dyn Fn(usize, &mut SolveRequest) -> Result<()> + Sync),
 }
 
 impl Worker {
@@ -138,7 +133,7 @@ impl Worker {
         task: &Task,
         requests: Requests<'_>,
         control: &mut Control,
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         let first = part.first;
         let mut done = 0;
         while done < part.len() {
@@ -188,9 +183,7 @@ impl Worker {
         for (k, problem) in problems.iter().enumerate() {
             let at = |error| (start + k, error);
             let solution = solve(problem, solver, balance, work, &mut control.part()).map_err(at)?;
-            if solution.status == Status::Stopped {
-                return Err(at(Error::stopped()));
-            }
+            refuse_if!(solution.status == Status::Stopped, at(Error::stopped()));
             keep(k, &solution);
             solution.recycle(work);
         }
@@ -226,7 +219,7 @@ impl Worker {
     }
 
     /// Reads the request of problem `index` into the worker's problem `k`.
-    fn read(&mut self, k: usize, index: usize, task: &Task, requests: Requests<'_>) -> Result<(), Error> {
+    fn read(&mut self, k: usize, index: usize, task: &Task, requests: Requests<'_>) -> Result<()> {
         (self.ask.start, self.ask.aim) = (None, None);
         (requests.ask)(index, &mut self.ask)?;
         let points = task.transducers.points().unwrap_or(self.ask.points.len());

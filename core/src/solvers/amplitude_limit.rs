@@ -1,7 +1,6 @@
 //! Amplitude limit: reduces drives above |q| = 1 by clamp, normalize or full.
 
-use crate::kernels::InstructionSet;
-use crate::kernels::limit;
+use crate::kernels::{InstructionSet, limit};
 use crate::scene::words;
 
 /// The rule that limits a drive that may exceed |q| = 1.

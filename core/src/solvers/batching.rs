@@ -1,11 +1,7 @@
 //! Calls the interleaved batch of a solver that has one. Programs that do not use this module do not link that code.
 
-use crate::prelude::*;
-use crate::problem::{Problem, Solution};
-use crate::solvers::fast::Fast;
-use crate::solvers::greedy::Greedy;
-use crate::solvers::method::Solve;
-use crate::workspace::Workspace;
+use crate::solvers::prelude::*;
+use crate::solvers::{Fast, Greedy};
 
 /// Solves several problems of one model at once, each with the bits that [`Solve::solve`] gives without a control.
 /// Returns `None` if the solver cannot do it or if it saves no work.

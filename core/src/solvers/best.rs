@@ -1,12 +1,8 @@
 //! best: the loudest even field of many starts; like `uniform`, from many more point phases.
 
-use crate::error::real;
-use crate::prelude::*;
-use crate::problem::{Problem, Solution};
 use crate::solvers::even_field;
 use crate::solvers::even_field::run::{Plan, QUIET, SWEEPS};
-use crate::solvers::method::{Info, Method, Solve, check_iteration};
-use crate::workspace::Workspace;
+use crate::solvers::prelude::*;
 
 options! {
     /// Even fields from many starts. Time O(N M^2 + M^3), memory O(N M + M^2).
@@ -33,17 +29,15 @@ impl Method for Best {
     const INFO: Info =
         Info::new("best", "the loudest even field from many starts", "as uniform").balanced().with_start().with_aim();
 
-    fn check(&self) -> Result<(), Error> {
-        if self.starts == 0 {
-            return Err(Error::out_of_range("starts", self.starts, "give at least 1"));
-        }
+    fn check(&self) -> Result<()> {
+        refuse_if!(self.starts == 0, Error::out_of_range("starts", self.starts, "give at least 1"));
         check_iteration(self.steps, self.tolerance)?;
         real("quiet", self.quiet, 0.0, false).map(|_| ())
     }
 }
 
 impl Solve for Best {
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution> {
         // The solution of `uniform` is one of the candidates.
         let as_uniform = Plan::alone(SWEEPS, self.tolerance, self.quiet);
         let plan = Plan {
@@ -58,13 +52,7 @@ impl Solve for Best {
         even_field::meet(problem, &[as_uniform, plan], work, control)
     }
 
-    fn meets_targets(&self) -> bool {
-        true
-    }
-
-    fn finds_level(&self) -> bool {
-        true
-    }
+    facts!(meets_targets = true, finds_level = true);
 
     fn quiet(&self) -> Option<f64> {
         Some(self.quiet)

@@ -11,15 +11,10 @@
 
 use core::iter::zip;
 
-use crate::control::bytes;
-use crate::kernels::InstructionSet;
 use crate::kernels::double::{self, WIDE};
-use crate::prelude::*;
-use crate::problem::{Problem, Solution};
 use crate::solvers::common::alternating_projection::start_phasors;
 use crate::solvers::iterate::iterate;
-use crate::solvers::method::{Info, Method, Solve, check_iteration};
-use crate::workspace::{Buffer, Workspace};
+use crate::solvers::prelude::*;
 
 /// The tolerance is relative to the error, but to no less than this part of the targets' norm.
 const LEAST_ERROR: f64 = 0.01;
@@ -57,13 +52,13 @@ impl Method for Bounded {
     .with_start()
     .within(1e-3);
 
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         check_iteration(self.steps, self.tolerance)
     }
 }
 
 impl Solve for Bounded {
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution> {
         let mut barrier = Barrier::new(problem, work, control)?;
         let ended = iterate(
             (self.steps, self.tolerance),
@@ -79,13 +74,7 @@ impl Solve for Bounded {
         Solution::new(problem, drive.into_vec(), ended, self.steps as usize, work, control)
     }
 
-    fn finds_level(&self) -> bool {
-        true
-    }
-
-    fn uses_phases(&self) -> bool {
-        true
-    }
+    facts!(finds_level = true, uses_phases = true);
 }
 
 /// A complex vector: real and imaginary parts.
@@ -152,7 +141,7 @@ struct Barrier<'w> {
 
 impl<'w> Barrier<'w> {
     /// Creates the iterate at q = 0.
-    fn new(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
+    fn new(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Self> {
         let propagation = problem.propagation();
         let (count, transducers) = (propagation.points(), propagation.transducers());
         let (lanes, size) = (transducers.next_multiple_of(WIDE), (2 * count).next_multiple_of(WIDE));
@@ -244,7 +233,7 @@ impl<'w> Barrier<'w> {
     }
 
     /// Takes a Newton step towards the barrier's minimum at a smaller mu.
-    fn step(&mut self, control: &mut Control) -> Result<(), Error> {
+    fn step(&mut self, control: &mut Control) -> Result<()> {
         self.lower_mu();
         self.derive();
         self.factor(control)?;
@@ -279,9 +268,7 @@ impl<'w> Barrier<'w> {
         curvature += entries(&self.field).map(|p| p.norm_sqr()).sum::<f64>();
         // The length is 1 where the system was solved exactly.
         let length = if curvature > 0.0 { (slope / curvature).clamp(0.0, 1.0).min(INSIDE * room) } else { 0.0 };
-        if !length.is_finite() {
-            return Err(Error::lost());
-        }
+        refuse_if!(!length.is_finite(), Error::lost());
         let pairs = [(&mut self.drive, &self.step, length), (&mut self.residual, &self.field, -length)];
         for (to, from, factor) in pairs {
             zip(to.iter_mut().flatten(), from.iter().flatten()).for_each(|(to, from)| *to += factor * from);
@@ -316,7 +303,7 @@ impl<'w> Barrier<'w> {
 
     /// Computes the Cholesky factor of I + J D^-1 J^T. J is the real form of G: a transducer has two columns, along and
     /// across its drive, with Re and Im at each point.
-    fn factor(&mut self, control: &mut Control) -> Result<(), Error> {
+    fn factor(&mut self, control: &mut Control) -> Result<()> {
         let (lanes, size) = (self.drive[0].len(), self.dual.len());
         self.matrix.fill(0.0);
         for first in (0..lanes).step_by(RUN) {

@@ -2,12 +2,9 @@
 //!
 //! It is L-BFGS ([`crate::solvers::common::least_squares`]) with the steps of [`crate::solvers::even_field::nearest`].
 
-use crate::prelude::*;
-use crate::problem::{Problem, Solution};
 use crate::solvers::common::least_squares::Task;
 use crate::solvers::even_field::nearest::nearest;
-use crate::solvers::method::{Info, Method, Solve, check_iteration};
-use crate::workspace::Workspace;
+use crate::solvers::prelude::*;
 
 options! {
     /// L-BFGS on the phases, then on amplitudes too. Time O(N M) a step, memory O(N M).
@@ -34,26 +31,18 @@ impl Method for Descent {
     .with_start()
     .within(0.02);
 
-    fn check(&self) -> Result<(), Error> {
-        if self.starts == 0 {
-            return Err(Error::out_of_range("starts", self.starts, "give at least 1"));
-        }
+    fn check(&self) -> Result<()> {
+        refuse_if!(self.starts == 0, Error::out_of_range("starts", self.starts, "give at least 1"));
         check_iteration(self.steps, self.tolerance)
     }
 }
 
 impl Solve for Descent {
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution> {
         let Self { steps, tolerance, starts, seed } = *self;
         let (steps, starts) = (steps as usize, starts as usize);
         nearest(problem, Task { steps, tolerance, starts, seed, factor: 1.0, before: 0 }, work, control)
     }
 
-    fn finds_level(&self) -> bool {
-        true
-    }
-
-    fn meets_targets(&self) -> bool {
-        true
-    }
+    facts!(finds_level = true, meets_targets = true);
 }

@@ -6,17 +6,12 @@
 //! (G W^-2 G^H + I)^-1 p. gamma is an exponent, 1 in the paper. The authors of the greedy paper read a row of the
 //! eigenvectors' matrix and rescale q by a mean below 1; this method uses the eigenvector, unscaled.
 
-use crate::error::real;
-use crate::linalg::leading_eigenvector;
-use crate::linalg::{Hermitian, Planar};
-use crate::math::{pow, sqrtf, unit};
-use crate::prelude::*;
-use crate::problem::{Problem, Solution, Status};
+use crate::linalg::{Hermitian, leading_eigenvector};
+use crate::math::{pow, unit};
 use crate::propagation::Strips;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
-use crate::solvers::common::back_projection::back_projected;
-use crate::solvers::method::{Info, Method, Solve};
-use crate::workspace::Workspace;
+use crate::solvers::common::alternating_projection::back_projected;
+use crate::solvers::prelude::*;
 
 options! {
     /// Leading eigenvector and Long's regularisation. Time O(N M^2 + M^3), memory O(N + M^2).
@@ -39,21 +34,17 @@ impl Method for Evd {
     )
     .within(1e-2);
 
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         real("gamma", self.gamma, 0.0, false)?;
-        if self.gamma > 10.0 {
-            return Err(Error::out_of_range("gamma", self.gamma, "give 0 to 10"));
-        }
+        refuse_if!(self.gamma > 10.0, Error::out_of_range("gamma", self.gamma, "give 0 to 10"));
         Ok(())
     }
 }
 
 impl Solve for Evd {
-    fn plays_at_full(&self) -> bool {
-        false
-    }
+    facts!(plays_at_full = false);
 
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution> {
         let propagation = problem.propagation();
         let (count, targets) = (propagation.points(), problem.targets());
         let mut strips = Strips::new(propagation, work);
@@ -85,7 +76,7 @@ fn phases<'w>(
     strips: &mut Strips<'w>,
     work: &'w Workspace,
     control: &mut Control,
-) -> Result<Planar<'w>, Error> {
+) -> Result<Planar<'w>> {
     let propagation = problem.propagation();
     let count = propagation.points();
     let mut matrix = strips.gram(None, control)?;

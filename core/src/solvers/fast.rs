@@ -17,16 +17,12 @@
 use core::any::Any;
 
 use crate::kernels::closed_form;
-use crate::kernels::closed_form::interleaved_sweep;
-use crate::kernels::closed_form::{Memory, Sweep};
+use crate::kernels::closed_form::{Memory, Sweep, interleaved_sweep};
 use crate::kernels::grid::Phases;
-use crate::linalg::Planar;
 use crate::math::modulus;
-use crate::prelude::*;
-use crate::problem::{Problem, Solution, Status};
 use crate::solvers::common::interleaved_batch::InterleavedBatch;
-use crate::solvers::method::{Info, Method, Solve};
-use crate::workspace::{Aligned, Workspace};
+use crate::solvers::prelude::*;
+use crate::workspace::Aligned;
 
 /// The part of its old wave that a transducer removes from P in a further sweep. In trials .3 to .5 converged fastest.
 const OWN: f32 = 0.4;
@@ -52,24 +48,18 @@ impl Method for Fast {
     .balanced()
     .within(0.02);
 
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         let most = closed_form::MOST as u32;
-        if !(1..=most).contains(&self.block) {
-            return Err(Error::out_of_range("block", self.block, "give 1 to 8"));
-        }
-        if self.sweeps > 1000 {
-            return Err(Error::out_of_range("sweeps", self.sweeps, "give 0 to 1000"));
-        }
+        refuse_if!(!(1..=most).contains(&self.block), Error::out_of_range("block", self.block, "give 1 to 8"));
+        refuse_if!(self.sweeps > 1000, Error::out_of_range("sweeps", self.sweeps, "give 0 to 1000"));
         Ok(())
     }
 }
 
 impl Solve for Fast {
-    fn computes_rows(&self) -> bool {
-        true
-    }
+    facts!(computes_rows = true);
 
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution> {
         self.check()?;
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.transducers(), propagation.lanes());

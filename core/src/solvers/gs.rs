@@ -4,13 +4,9 @@
 //! = G^H p, keeps its phases and sets its moduli to 1. The paper's authors start from q = 1, too; starting from the
 //! back-projection changes sigma by .007.
 
-use crate::prelude::*;
-use crate::problem::{Problem, Solution};
 use crate::solvers::common::alternating_projection::Projector;
-use crate::solvers::common::tiled::Rows;
 use crate::solvers::iterate::{iterate, largest_change, projections};
-use crate::solvers::method::{Info, Method, Solve, check_iteration};
-use crate::workspace::Workspace;
+use crate::solvers::prelude::*;
 
 options! {
     /// Gerchberg-Saxton. Time O(N M) a step, memory O(N M).
@@ -27,13 +23,13 @@ impl Method for Gs {
         .with_start()
         .within(1e-3);
 
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         check_iteration(self.steps, self.tolerance)
     }
 }
 
 impl Solve for Gs {
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution> {
         let (steps, tolerance) = projections(problem, self.steps, self.tolerance);
         let rows = Rows::new(problem, work, control)?;
         let mut projector = Projector::new(&rows, work);

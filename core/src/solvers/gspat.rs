@@ -6,16 +6,12 @@
 //! apply it to X, which has no effect when all are equal.)
 
 use crate::kernels;
-use crate::linalg::{Planar, times};
-use crate::prelude::*;
-use crate::problem::{Problem, Solution};
+use crate::linalg::times;
 use crate::propagation::Strips;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
-use crate::solvers::common::alternating_projection::start_phasors;
-use crate::solvers::common::back_projection::back_projected;
+use crate::solvers::common::alternating_projection::{back_projected, start_phasors};
 use crate::solvers::iterate::{iterate, largest_change, projections};
-use crate::solvers::method::{Info, Method, Solve, check_iteration};
-use crate::workspace::Workspace;
+use crate::solvers::prelude::*;
 
 /// Targets below this part of the reference count as quiet.
 const QUIET: f32 = 1e-9;
@@ -44,17 +40,15 @@ impl Method for Gspat {
     .with_start()
     .within(1e-3);
 
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         check_iteration(self.steps, self.tolerance)
     }
 }
 
 impl Solve for Gspat {
-    fn plays_at_full(&self) -> bool {
-        false
-    }
+    facts!(plays_at_full = false);
 
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution> {
         let (steps, tolerance) = projections(problem, self.steps, self.tolerance);
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.points(), propagation.lanes());

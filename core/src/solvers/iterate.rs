@@ -1,7 +1,6 @@
 //! The loop of iterative methods: step, tolerance, stop request, report.
 
-use crate::prelude::*;
-use crate::problem::{Problem, Status};
+use crate::solvers::prelude::*;
 
 /// Makes up to `steps` steps, until one meets the tolerance or a caller stops them. Returns the status and the number
 /// of steps. A tolerance of 0 requests all steps, so their end then counts as done.
@@ -12,9 +11,9 @@ pub(super) fn iterate<T>(
     (steps, tolerance): (u32, f64),
     state: &mut T,
     control: &mut Control,
-    mut step: impl FnMut(&mut T, &mut Control) -> Result<bool, Error>,
+    mut step: impl FnMut(&mut T, &mut Control) -> Result<bool>,
     residual: impl Fn(&T) -> f64,
-) -> Result<(Status, usize), Error> {
+) -> Result<(Status, usize)> {
     let steps = steps as usize;
     for done in 1..=steps {
         match step(state, control) {

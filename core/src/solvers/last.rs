@@ -29,22 +29,6 @@ pub struct Last {
 }
 
 impl Last {
-    /// Returns whether there is a last frame.
-    pub fn is_empty(&self) -> bool {
-        self.played.is_empty()
-    }
-
-    /// Returns the frame's drives (N,) at full amplitude before and after rounding, the envelopes (N,), and the weights
-    /// and the unevenness of the points. Together with [`Last::motion`] they are the arguments of [`Last::restore`].
-    pub fn parts(&self) -> ([&[Complex32]; 3], &[f32], f32) {
-        ([&self.wave, &self.played, &self.envelope], &self.weights, self.unevenness)
-    }
-
-    /// Returns, for traps, places (M, 3) in m, and once they are known velocities in m/s and accelerations in m/s^2.
-    pub fn motion(&self) -> &[[f64; 3]] {
-        &self.motion
-    }
-
     /// Creates a last frame from the results of [`Last::parts`] and [`Last::motion`].
     pub fn restore(
         [wave, played, envelope]: [Vec<Complex32>; 3],
@@ -101,4 +85,19 @@ impl Last {
         self.wave.extend_from_slice(&self.played);
         self.envelope.extend_from_slice(&self.played);
     }
+}
+
+getters! {
+    Last:
+
+    /// Returns whether there is a last frame.
+    pub is_empty(self) -> bool = self.played.is_empty();
+
+    /// Returns the frame's drives (N,) at full amplitude before and after rounding, the envelopes (N,), and the weights
+    /// and the unevenness of the points. Together with [`Last::motion`] they are the arguments of [`Last::restore`].
+    pub parts(self) -> ([&[Complex32]; 3], &[f32], f32) =
+        ([&self.wave, &self.played, &self.envelope], &self.weights, self.unevenness);
+
+    /// Returns, for traps, places (M, 3) in m, and once they are known velocities in m/s and accelerations in m/s^2.
+    pub motion(self) -> &[[f64; 3]] = &self.motion;
 }

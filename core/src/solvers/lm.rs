@@ -5,21 +5,12 @@
 //! in the dual ([`crate::solvers::common::gauss_newton`]) of 2M real equations. It rotates each phasor by atan(d),
 //! which needs no sine or cosine.
 
-use core::f64::consts::TAU;
-
-use crate::error::real;
 use crate::kernels;
 use crate::kernels::padded;
-use crate::linalg::Planar;
-use crate::math::{sqrt, sqrtf};
-use crate::prelude::*;
-use crate::problem::{Problem, Solution, Status};
 use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::gauss_newton::Dual;
-use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::iterate::iterate;
-use crate::solvers::method::{Info, Method, Solve, check_iteration};
-use crate::workspace::{Buffer, Workspace};
+use crate::solvers::prelude::*;
 
 options! {
     /// Levenberg-Marquardt, |q| = 1. Time O(N M^2 + M^3) a step, memory O(N M + M^2).
@@ -44,7 +35,7 @@ impl Method for Lm {
     .with_start()
     .within(0.02);
 
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         check_iteration(self.steps, 0.0)?;
         real("eps", self.eps, 0.0, false)?;
         real("tau", self.tau, 0.0, true).map(|_| ())
@@ -52,7 +43,7 @@ impl Method for Lm {
 }
 
 impl Solve for Lm {
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution> {
         let rows = Rows::new(problem, work, control)?;
         let mut state = State::new(problem, &rows, self.seed, work, control)?;
         let mut trial = State::empty(&rows, work);
@@ -107,7 +98,7 @@ impl Solve for Lm {
 
 /// Returns the largest diagonal entry of J^T J. The entries are sum_j w_j |G_ji|^2 for transducer i and w_j t_j^2 for
 /// point j.
-fn largest(problem: &Problem, work: &Workspace, control: &mut Control) -> Result<f64, Error> {
+fn largest(problem: &Problem, work: &Workspace, control: &mut Control) -> Result<f64> {
     let (propagation, weights) = (problem.propagation(), problem.weights());
     let mut row = Planar::zeros(1, propagation.lanes(), work);
     let mut squares = work.floats.take(propagation.lanes());
@@ -146,13 +137,7 @@ impl<'w> State<'w> {
     }
 
     /// Creates the state from the phases of the problem's start and of its field, or from random phases.
-    fn new(
-        problem: &Problem,
-        rows: &Rows,
-        seed: u64,
-        work: &'w Workspace,
-        control: &mut Control,
-    ) -> Result<Self, Error> {
+    fn new(problem: &Problem, rows: &Rows, seed: u64, work: &'w Workspace, control: &mut Control) -> Result<Self> {
         let mut state = Self::empty(rows, work);
         let mut projector = Projector::new(rows, work);
         let start = projector.start(problem, rows, work, control)?;
@@ -212,7 +197,7 @@ struct Normal<'w> {
 }
 
 impl<'w> Normal<'w> {
-    fn new(problem: &Problem, rows: &Rows, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
+    fn new(problem: &Problem, rows: &Rows, work: &'w Workspace, control: &mut Control) -> Result<Self> {
         let count = rows.order.len();
         let mut dual = Dual::new(rows, 2 * count, work, control)?;
         let mut pulls = work.floats.take(count);
@@ -233,7 +218,7 @@ impl<'w> Normal<'w> {
         })
     }
 
-    fn update(&mut self, rows: &Rows, state: &State, control: &mut Control) -> Result<(), Error> {
+    fn update(&mut self, rows: &Rows, state: &State, control: &mut Control) -> Result<()> {
         let (count, lanes) = (rows.order.len(), self.dual.lanes());
         self.dual.derive(rows, &state.wave, (0..count).chain(0..count), None, control)?;
         control.beat()?;
@@ -260,7 +245,7 @@ impl<'w> Normal<'w> {
         damping: f64,
         trial: &mut State,
         control: &mut Control,
-    ) -> Result<Option<(f64, f64)>, Error> {
+    ) -> Result<Option<(f64, f64)>> {
         let count = rows.order.len();
         let Some(cholesky) = self.dual.factor(|_| damping as f32, control)? else { return Ok(None) };
         let mut dual = self.dual.work.floats.take_any(self.dual.lanes());

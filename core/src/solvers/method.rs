@@ -3,7 +3,6 @@
 use core::any::Any;
 
 use crate::device::quantization::Quantization;
-use crate::error::real;
 use crate::prelude::*;
 use crate::problem::{Problem, Solution};
 use crate::scene::Options;
@@ -18,7 +17,7 @@ pub trait Solve {
     ///
     /// # Errors
     /// Options that do not fit this problem.
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error>;
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution>;
 
     /// Returns the solver itself if it can share the work of several problems, else `None`.
     #[doc(hidden)]
@@ -57,7 +56,7 @@ pub trait Solve {
         _last: &mut Last,
         work: &mut Workspace,
         control: &mut Control,
-    ) -> Result<Solution, Error> {
+    ) -> Result<Solution> {
         self.solve(problem, work, control)
     }
 
@@ -154,13 +153,11 @@ pub trait Method: Configure + Solve + Send + Sync + 'static {
     ///
     /// # Errors
     /// A value out of range.
-    fn check(&self) -> Result<(), Error>;
+    fn check(&self) -> Result<()>;
 }
 
 /// Checks the steps and the tolerance of an iterative method; returns an error if one is out of range.
-pub(crate) fn check_iteration(steps: u32, tolerance: f64) -> Result<(), Error> {
-    if steps == 0 {
-        return Err(Error::out_of_range("steps", steps, "give at least 1"));
-    }
+pub(crate) fn check_iteration(steps: u32, tolerance: f64) -> Result<()> {
+    refuse_if!(steps == 0, Error::out_of_range("steps", steps, "give at least 1"));
     real("tolerance", tolerance, 0.0, false).map(|_| ())
 }

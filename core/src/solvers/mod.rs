@@ -22,6 +22,7 @@ pub(crate) mod last;
 pub(crate) mod lm;
 pub(crate) mod method;
 pub(crate) mod naive;
+pub(crate) mod prelude;
 pub(crate) mod registry;
 pub(crate) mod remark;
 pub(crate) mod sdp;

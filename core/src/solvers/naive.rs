@@ -4,14 +4,10 @@
 //! the only point (phase 0 where targets have no phases). The method ignores the effect of the foci on each other. It
 //! is the baseline for all other methods (the back-projection with which Marzo et al. 2019 and others start).
 
-use crate::linalg::Planar;
-use crate::prelude::*;
-use crate::problem::{Problem, Solution, Status};
 use crate::propagation::Strips;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
-use crate::solvers::common::back_projection::back_projected;
-use crate::solvers::method::{Info, Method, Solve};
-use crate::workspace::Workspace;
+use crate::solvers::common::alternating_projection::back_projected;
+use crate::solvers::prelude::*;
 
 options! {
     /// The sum of single foci. Time O(N M), memory O(N + M).
@@ -24,17 +20,15 @@ options! {
 impl Method for Naive {
     const INFO: Info = Info::new("naive", "single foci, superposed", "back-projection, e.g. Marzo et al., PNAS 2019");
 
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         Ok(())
     }
 }
 
 impl Solve for Naive {
-    fn plays_at_full(&self) -> bool {
-        false
-    }
+    facts!(plays_at_full = false, uses_phases = true);
 
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution> {
         let propagation = problem.propagation();
         let mut strips = Strips::new(propagation, work);
         let powers = strips.powers(control)?;
@@ -45,9 +39,5 @@ impl Solve for Naive {
             (wanted.re[j], wanted.im[j]) = (share(target.re), share(target.im));
         }
         back_projected(problem, strips, &wanted, |_| 1.0, self.limit, ((Status::Done, 1), 1), work, control)
-    }
-
-    fn uses_phases(&self) -> bool {
-        true
     }
 }

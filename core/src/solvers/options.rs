@@ -29,7 +29,7 @@ pub trait Configure: Default {
     ///
     /// # Errors
     /// An unknown name (the error lists the known ones), or a value that does not fit.
-    fn set(&mut self, name: &str, value: &Value) -> Result<(), Error>;
+    fn set(&mut self, name: &str, value: &Value) -> Result<()>;
 }
 
 /// Adds an option with its default to a list; used by [`crate::options!`].

@@ -1,28 +1,13 @@
 //! The registry: every solver by name, one line for each.
 
-use crate::device::quantization::Quantization;
 use crate::error;
-use crate::error::{ErrorCode, same_name};
-use crate::prelude::*;
 use crate::scene::{Choice, Options, Value};
-use crate::solvers::best::Best;
-use crate::solvers::bounded::Bounded;
-use crate::solvers::descent::Descent;
-use crate::solvers::evd::Evd;
-use crate::solvers::fast::Fast;
-use crate::solvers::glide::Glide;
-use crate::solvers::greedy::Greedy;
-use crate::solvers::greedy::by_energy::{Energy, GreedyBy};
-use crate::solvers::gs::Gs;
-use crate::solvers::gspat::Gspat;
-use crate::solvers::lm::Lm;
-use crate::solvers::method::{Info, Method, Solve};
-use crate::solvers::naive::Naive;
 use crate::solvers::options::{Configure, OptionInfo};
-use crate::solvers::sdp::Sdp;
-use crate::solvers::tikhonov::Tikhonov;
-use crate::solvers::uniform::Uniform;
-use crate::solvers::wgs::Wgs;
+use crate::solvers::prelude::*;
+use crate::solvers::{
+    Best, Bounded, Descent, Energy, Evd, Fast, Glide, Greedy, GreedyBy, Gs, Gspat, Lm, Naive, Sdp, Tikhonov, Uniform,
+    Wgs,
+};
 
 /// Every solver, in the order of printed tables. One more line adds a solver.
 pub static SOLVERS: &[Entry] = &[
@@ -52,7 +37,7 @@ pub struct Entry {
     /// Name, summary and properties of the method.
     pub info: &'static Info,
     list: fn() -> Vec<OptionInfo>,
-    make: fn(&Options) -> Result<Configured, Error>,
+    make: fn(&Options) -> Result<Configured>,
     device: fn(&Quantization) -> Options,
 }
 
@@ -71,7 +56,7 @@ impl Configured {
     ///
     /// # Errors
     /// Any other solver.
-    pub fn by_energy(mut self, energy: Box<dyn Energy>, name: String) -> Result<Self, Error> {
+    pub fn by_energy(mut self, energy: Box<dyn Energy>, name: String) -> Result<Self> {
         if self.info.name != Greedy::INFO.name {
             let cure = format!("{} alone takes one: name it, or leave this out", Greedy::INFO.name);
             return Err(Error::invalid("objective", "a function", cure));
@@ -103,7 +88,7 @@ impl Entry {
     ///
     /// # Errors
     /// An unknown option, an option given twice, or a value that does not fit.
-    pub fn configure(&self, options: &Options) -> Result<Configured, Error> {
+    pub fn configure(&self, options: &Options) -> Result<Configured> {
         (self.make)(&self.spelled(options)?)
     }
 
@@ -111,7 +96,7 @@ impl Entry {
     ///
     /// # Errors
     /// An option given under two spellings.
-    pub fn spelled(&self, options: &Options) -> Result<Options, Error> {
+    pub fn spelled(&self, options: &Options) -> Result<Options> {
         let known = self.options();
         let mut spelled = Options::new();
         for (name, value) in options {
@@ -128,14 +113,14 @@ impl Entry {
     ///
     /// # Errors
     /// The errors of [`Entry::configure`].
-    pub fn configure_for(&self, options: &Options, quantization: Option<&Quantization>) -> Result<Configured, Error> {
+    pub fn configure_for(&self, options: &Options, quantization: Option<&Quantization>) -> Result<Configured> {
         let mut all = quantization.map(self.device).unwrap_or_default();
         all.extend(self.spelled(options)?);
         (self.make)(&all)
     }
 }
 
-fn make<M: Method>(options: &Options) -> Result<Configured, Error> {
+fn make<M: Method>(options: &Options) -> Result<Configured> {
     let mut solver = M::default();
     set_all(M::INFO.name, options, &mut |name, value| solver.set(name, value))?;
     solver.check()?;
@@ -143,11 +128,7 @@ fn make<M: Method>(options: &Options) -> Result<Configured, Error> {
 }
 
 /// Sets the options of the method of this name.
-fn set_all(
-    method: &str,
-    options: &Options,
-    set: &mut dyn FnMut(&str, &Value) -> Result<(), Error>,
-) -> Result<(), Error> {
+fn set_all(method: &str, options: &Options, set: &mut dyn FnMut(&str, &Value) -> Result<()>) -> Result<()> {
     for (name, value) in options {
         set(name, value).map_err(|mut error| {
             if error.code == ErrorCode::Unknown {
@@ -172,7 +153,7 @@ fn hint_of_owners(option: &str) -> Option<String> {
 ///
 /// # Errors
 /// An unknown name; the error lists the known ones.
-pub fn find(name: &str) -> Result<&'static Entry, Error> {
+pub fn find(name: &str) -> Result<&'static Entry> {
     error::find("solver", name, SOLVERS, |entry| entry.info.name)
 }
 
@@ -191,10 +172,8 @@ pub fn unused(argument: &str, name: &str, uses: fn(&Info) -> bool) -> Error {
 ///
 /// # Errors
 /// An unknown name or option, a value out of range, or an aim for a solver that uses none.
-pub fn configure(choice: &Choice, quantization: Option<&Quantization>) -> Result<Configured, Error> {
+pub fn configure(choice: &Choice, quantization: Option<&Quantization>) -> Result<Configured> {
     let made = find(&choice.name)?.configure_for(&choice.options, quantization)?;
-    if choice.aim.is_some() && !made.info.uses_aim {
-        return Err(unused("aim", made.info.name, |info| info.uses_aim));
-    }
+    refuse_if!(choice.aim.is_some() && !made.info.uses_aim, unused("aim", made.info.name, |info| info.uses_aim));
     Ok(made)
 }

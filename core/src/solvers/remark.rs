@@ -3,18 +3,12 @@
 //! They concern targets that are beyond reach or too weak, phases that are not used, a remaining scale, a bound that
 //! allows no change, and a focus so loud that harmonics matter.
 
-use core::f64::consts::TAU;
-use core::fmt;
-
 use crate::device::quantization::steps_within;
-use crate::error::{ErrorCode, Notice};
-use crate::prelude::*;
-use crate::problem::{Beyond, Problem, Solution};
+use crate::problem::Beyond;
 use crate::scene::Aim;
 use crate::solvers::even_field::quiet::silenceable;
-use crate::solvers::last::Last;
-use crate::solvers::method::Solve;
-use crate::solvers::registry::SOLVERS;
+use crate::solvers::prelude::*;
+use crate::solvers::{Last, SOLVERS};
 
 /// A warning about a solution.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,22 +7,14 @@
 //! the column of Q without its diagonal, x = X m and g = x^H m, the column becomes -sqrt(lambda/g) x, or 0. The leading
 //! eigenvector of X is u, with its raw moduli (as in the paper, which loses points) or with moduli 1.
 
-use crate::error::real;
 use crate::kernels;
-use crate::kernels::InstructionSet;
-use crate::linalg::leading_eigenvector;
-use crate::linalg::{Hermitian, Planar, times};
-use crate::math::{sqrt, sqrtf};
-use crate::prelude::*;
-use crate::problem::{Problem, Solution};
+use crate::linalg::{Hermitian, leading_eigenvector, times};
 use crate::propagation::Strips;
 use crate::scene::words;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
-use crate::solvers::common::alternating_projection::start_phasors;
-use crate::solvers::common::back_projection::back_projected;
+use crate::solvers::common::alternating_projection::{back_projected, start_phasors};
 use crate::solvers::iterate::iterate;
-use crate::solvers::method::{Info, Method, Solve, check_iteration};
-use crate::workspace::Workspace;
+use crate::solvers::prelude::*;
 
 /// The moduli of the relaxation's eigenvector that the solution uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,23 +57,19 @@ impl Method for Sdp {
     .with_start()
     .within(0.02);
 
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         check_iteration(self.steps, self.tolerance)?;
         real("alpha", self.alpha, 0.0, true)?;
         real("lambda", self.lambda, 0.0, true)?;
-        if self.lambda >= 1.0 {
-            return Err(Error::out_of_range("lambda", self.lambda, "give a number above 0 and below 1"));
-        }
+        refuse_if!(self.lambda >= 1.0, Error::out_of_range("lambda", self.lambda, "give a number above 0 and below 1"));
         Ok(())
     }
 }
 
 impl Solve for Sdp {
-    fn plays_at_full(&self) -> bool {
-        false
-    }
+    facts!(plays_at_full = false);
 
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution> {
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.points(), propagation.lanes());
         let mut strips = Strips::new(propagation, work);
@@ -144,7 +132,7 @@ fn quality<'w>(
     inverse: &Hermitian,
     work: &'w Workspace,
     control: &mut Control,
-) -> Result<Planar<'w>, Error> {
+) -> Result<Planar<'w>> {
     let (count, lanes) = (problem.propagation().points(), problem.propagation().lanes());
     let mut matrix = Planar::zeros(count, lanes, work);
     let mut column = Planar::zeros(1, lanes, work);
@@ -166,7 +154,7 @@ fn quality<'w>(
 }
 
 /// Returns X = I, or the mean of I and u u^H for the phasors u of a start.
-fn begin<'w>(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Planar<'w>, Error> {
+fn begin<'w>(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Planar<'w>> {
     let (count, lanes) = (problem.propagation().points(), problem.propagation().lanes());
     let mut matrix = Planar::zeros(count, lanes, work);
     let given = problem.has_start();

@@ -1,11 +1,7 @@
 //! The entry point: balance, solve, round to the board, report.
 
-use crate::prelude::*;
-use crate::problem::{Problem, Solution, Status};
-use crate::solvers::batching;
-use crate::solvers::last::Last;
-use crate::solvers::method::Solve;
-use crate::workspace::Workspace;
+use crate::solvers::prelude::*;
+use crate::solvers::{Last, batching};
 
 /// The largest |q|^2, including rounding; it also limits [`crate::Start::Drive`].
 const MOST_POWER: f32 = 1.0 + 2e-6;
@@ -45,7 +41,7 @@ pub fn solve(
     balance: bool,
     work: &mut Workspace,
     control: &mut Control,
-) -> Result<Solution, Error> {
+) -> Result<Solution> {
     solve_after(problem, solver, balance, None, work, control)
 }
 
@@ -57,7 +53,7 @@ pub(crate) fn solve_after(
     last: Option<&mut Last>,
     work: &mut Workspace,
     control: &mut Control,
-) -> Result<Solution, Error> {
+) -> Result<Solution> {
     let factor = factor(problem, solver, balance);
     let prepared = problem.prepared(factor, work);
     let own = prepared.as_ref().unwrap_or(problem);
@@ -82,7 +78,7 @@ pub(crate) fn solve_after(
 }
 
 /// Rounds a solution to the device's grid, and undoes balancing.
-fn quantized(mut solution: Solution, factor: f64, work: &Workspace, control: &mut Control) -> Result<Solution, Error> {
+fn quantized(mut solution: Solution, factor: f64, work: &Workspace, control: &mut Control) -> Result<Solution> {
     check(&solution)?;
     let excess = excess(&solution, factor);
     if solution.quantize(excess, work, control)? || excess != factor {
@@ -127,7 +123,7 @@ fn excess(solution: &Solution, factor: f64) -> f64 {
 }
 
 /// Checks a solution; returns an error if no array can play it.
-fn check(solution: &Solution) -> Result<(), Error> {
+fn check(solution: &Solution) -> Result<()> {
     // The loop tests all drives instead of ending at the first unfit drive: it then has no branch. The comparison is
     // false for NaN.
     let fine = |fine, q: &Complex32| fine & (q.norm_sqr() <= MOST_POWER);

@@ -4,16 +4,11 @@
 //! with p the targets. Weights multiply rows of G and p by their square roots. If the phases at the points are free, 0
 //! is a poor choice; the paper's methods differ in how they choose better ones.
 
-use crate::error::real;
-use crate::linalg::{Hermitian, Planar};
-use crate::math::sqrtf;
-use crate::prelude::*;
-use crate::problem::{Problem, Solution, Status};
+use crate::linalg::Hermitian;
 use crate::propagation::Strips;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
-use crate::solvers::common::back_projection::back_projected;
-use crate::solvers::method::{Info, Method, Solve};
-use crate::workspace::Workspace;
+use crate::solvers::common::alternating_projection::back_projected;
+use crate::solvers::prelude::*;
 
 options! {
     /// Tikhonov-regularised pseudo-inverse. Time O(N M^2 + M^3), memory O(N + M^2).
@@ -33,17 +28,15 @@ impl Method for Tikhonov {
     )
     .within(1e-3);
 
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         real("regularization", self.regularization, 0.0, true).map(|_| ())
     }
 }
 
 impl Solve for Tikhonov {
-    fn plays_at_full(&self) -> bool {
-        false
-    }
+    facts!(plays_at_full = false, uses_phases = true);
 
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution> {
         let propagation = problem.propagation();
         let count = propagation.points();
         let mut strips = Strips::new(propagation, work);
@@ -70,9 +63,5 @@ impl Solve for Tikhonov {
         solver.solve(&mut phasors);
         phasors.scale((0..count).map(|k| sqrtf(problem.weights()[k])));
         back_projected(problem, strips, &phasors, |_| 1.0, self.limit, ((Status::Done, 1), 1), work, control)
-    }
-
-    fn uses_phases(&self) -> bool {
-        true
     }
 }

@@ -1,12 +1,8 @@
 //! uniform: even points at the highest common level, or as loud as requested.
 
-use crate::error::real;
-use crate::prelude::*;
-use crate::problem::{Problem, Solution};
 use crate::solvers::even_field;
 use crate::solvers::even_field::run::{Plan, QUIET, SWEEPS};
-use crate::solvers::method::{Info, Method, Solve, check_iteration};
-use crate::workspace::Workspace;
+use crate::solvers::prelude::*;
 
 options! {
     /// Even fields, |q| = 1 before all drives are reduced to the targets. Time O(N M^2 + M^3), memory O(N M + M^2).
@@ -31,24 +27,18 @@ impl Method for Uniform {
     .with_start()
     .with_aim();
 
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         check_iteration(self.steps, self.tolerance)?;
         real("quiet", self.quiet, 0.0, false).map(|_| ())
     }
 }
 
 impl Solve for Uniform {
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution> {
         even_field::meet(problem, &[Plan::alone(self.steps, self.tolerance, self.quiet)], work, control)
     }
 
-    fn meets_targets(&self) -> bool {
-        true
-    }
-
-    fn finds_level(&self) -> bool {
-        true
-    }
+    facts!(meets_targets = true, finds_level = true);
 
     fn quiet(&self) -> Option<f64> {
         Some(self.quiet)

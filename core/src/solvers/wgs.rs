@@ -3,14 +3,9 @@
 //! The weights are those of Di Leonardo, Ianni and Ruocco (Optics Express 15(4), 2007), but with a damped exponent:
 //! with the full ratio two points alternate. The solution is the iterate whose worst point is best.
 
-use crate::math::sqrtf;
-use crate::prelude::*;
-use crate::problem::{Problem, Solution};
 use crate::solvers::common::alternating_projection::Projector;
-use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::iterate::{iterate, projections};
-use crate::solvers::method::{Info, Method, Solve, check_iteration};
-use crate::workspace::Workspace;
+use crate::solvers::prelude::*;
 
 options! {
     /// Weighted Gerchberg-Saxton, damped. Time O(N M) a step, memory O(N M).
@@ -32,7 +27,7 @@ impl Method for Wgs {
     .with_start()
     .within(5e-3);
 
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         check_iteration(self.steps, self.tolerance)
     }
 }
@@ -64,7 +59,7 @@ fn raise(raised: &mut [f32], moduli: &[f32], targets: &[f32], mean: f32) {
 }
 
 impl Solve for Wgs {
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution> {
         let (steps, tolerance) = projections(problem, self.steps, self.tolerance);
         let rows = Rows::new(problem, work, control)?;
         let mut projector = Projector::new(&rows, work);

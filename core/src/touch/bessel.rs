@@ -1,7 +1,5 @@
 //! The modified Bessel functions `K_0` and `K_1` of complex numbers.
 
-use core::f64::consts::PI;
-
 use crate::prelude::*;
 
 /// From this |z| on the series in 1/z is used. At this |z| both series have a relative error of about 1e-10.

@@ -1,7 +1,5 @@
 //! Discrete Fourier transforms, in place, of lists whose length n is a power of two.
 
-use core::f64::consts::TAU;
-
 use crate::prelude::*;
 
 /// Constants of the transforms of lists of one length n.

@@ -11,9 +11,6 @@
 //! `K_0`. These waves decay to 1/e in about 2 c/(eta w), so that high frequencies spread less far than low ones. At
 //! 0 Hz an infinite membrane has no solution.
 
-use core::f64::consts::{PI, TAU};
-
-use crate::control::bytes;
 use crate::prelude::*;
 use crate::touch::bessel::{modified_bessel, turn};
 use crate::touch::fourier::Fourier;
@@ -45,11 +42,9 @@ impl Membrane {
     ///
     /// # Errors
     /// Numbers that are not above 0 and finite.
-    pub fn new(speed: f64, loss: f64, mass: f64) -> Result<Self, Error> {
+    pub fn new(speed: f64, loss: f64, mass: f64) -> Result<Self> {
         for (item, value) in [("speed", speed), ("loss", loss), ("mass", mass)] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::out_of_range(item, value, "give a number above 0"));
-            }
+            refuse_if!(!(value > 0.0 && value.is_finite()), Error::out_of_range(item, value, "give a number above 0"));
         }
         let elastic = Complex64::new(1.0, loss);
         let root = math::sqrt(math::hypot(1.0, loss)) * math::phasor(turn(elastic) / 2.0);
@@ -113,7 +108,7 @@ impl Membrane {
         [rows, columns]: [usize; 2],
         step: f64,
         control: &mut Control,
-    ) -> Result<Vec<Complex32>, Error> {
+    ) -> Result<Vec<Complex32>> {
         let places = rows * columns;
         if lines.len() != frequencies.len() * places || places == 0 {
             let cure = alloc::format!("give {rows} x {columns} for each of {} frequencies", frequencies.len());
@@ -149,7 +144,7 @@ impl Waves {
         frequency: f64,
         step: f64,
         control: &mut Control,
-    ) -> Result<Vec<Complex64>, Error> {
+    ) -> Result<Vec<Complex64>> {
         let [half, width] = self.size.map(|side| side / 2 + 1);
         // A transform and its inverse together multiply by the number of squares.
         let share = step * step / (self.size[0] * self.size[1]) as f64;
@@ -188,7 +183,7 @@ impl Waves {
         response: &[Complex64],
         moved: &mut [Complex32],
         control: &mut Control,
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         let [down, across] = self.size;
         let rows = pressure.len() / columns;
         let mut wide = vec![Complex64::ZERO; rows * across];

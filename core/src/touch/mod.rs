@@ -2,14 +2,12 @@
 
 pub(crate) mod bessel;
 pub(crate) mod fourier;
-pub(crate) mod hand;
 pub(crate) mod membrane;
 pub(crate) mod shifted;
 pub(crate) mod skin;
 pub(crate) mod thresholds;
 
-pub use hand::{Touch, hand};
 pub use membrane::Membrane;
 pub use shifted::Shifted;
-pub use skin::{Pushes, Skin, live_lines};
+pub use skin::{Pushes, Skin, Touch, hand, live_lines};
 pub use thresholds::{Channel, HIGHEST, REACH, decibels, felt_width, strength};

@@ -1,6 +1,5 @@
 //! Sparse systems (A + s B) x = b with a real symmetric A and a diagonal B, for many complex shifts s.
 
-use crate::control::bytes;
 use crate::kernels::InstructionSet;
 use crate::kernels::sparse::{Columns, Matrix, SHIFTS, Wide, solve};
 use crate::prelude::*;
@@ -27,7 +26,7 @@ impl Shifted {
     ///
     /// # Errors
     /// Lengths that do not fit, a row that is out of range or not in order, a value that is not finite.
-    pub fn new(starts: &[usize], rows: &[u32], values: &[f64], shares: &[f64]) -> Result<Self, Error> {
+    pub fn new(starts: &[usize], rows: &[u32], values: &[f64], shares: &[f64]) -> Result<Self> {
         let count = shares.len();
         let fits = starts.len() == count + 1 && rows.len() == values.len() && starts.last() == Some(&rows.len());
         if !fits || !starts.is_sorted() {
@@ -51,9 +50,7 @@ impl Shifted {
             }
             for k in column {
                 let (row, value) = (rows[k] as usize, values[k]);
-                if !value.is_finite() {
-                    return Err(Error::invalid(format!("values[{k}]"), value, "give finite values"));
-                }
+                refuse_if!(!value.is_finite(), Error::invalid(format!("values[{k}]"), value, "give finite values"));
                 if row == j {
                     system.diagonal[j] = value as f32;
                 } else if row > j {
@@ -81,7 +78,7 @@ impl Shifted {
         shifts: &[Complex64],
         loads: &[Complex32],
         control: &mut Control,
-    ) -> Result<Vec<Complex32>, Error> {
+    ) -> Result<Vec<Complex32>> {
         let count = self.shares.len();
         if loads.len() != shifts.len() * count {
             let cure = format!("give {count} for each of the {} shifts", shifts.len());

@@ -46,6 +46,7 @@ const SHARED: &[&str] = &[
     "last",
     "method",
     "options",
+    "prelude",
     "registry",
     "remark",
     "solve",

@@ -1,7 +1,7 @@
 //! Beads: simulates beads in the traps of the frames that `follow` has solved.
 
 use midair::flight::{BeadStart, Course, Envelope};
-use midair::{Control, Error};
+use midair::{Control, Error, Result};
 
 use crate::studio::Studio;
 
@@ -12,7 +12,7 @@ impl Studio {
     /// Simulates the bead in the trap of a point while the frames repeat at `rate` frames/s. The numbers are the time in s at
     /// which it was lost or NaN, its largest distance from its point in m until then, and its places (F, 3) in m at the frames
     /// of all laps.
-    pub(crate) fn fly(&mut self, point: usize, rate: f64) -> Result<(), Error> {
+    pub(crate) fn fly(&mut self, point: usize, rate: f64) -> Result<()> {
         if self.course.is_none() {
             let (drives, places) = (core::mem::take(&mut self.frames), core::mem::take(&mut self.places));
             let envelope = Envelope { rate, tau: TAU, linear: false };
@@ -30,7 +30,7 @@ impl Studio {
     }
 
     /// Returns the numbers of [`Studio::fly`].
-    fn flown(&mut self, course: &Course, point: usize, rate: f64) -> Result<Vec<f64>, Error> {
+    fn flown(&mut self, course: &Course, point: usize, rate: f64) -> Result<Vec<f64>> {
         let opened = self.opened()?;
         if point >= opened.scene.points().len() {
             return Err(Error::invalid("point", point, "give the number of one, from 0"));

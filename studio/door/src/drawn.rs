@@ -1,12 +1,12 @@
 //! Drawn: points along contours, spaced so that there are at most a given number.
 
-use midair::Error;
 use midair::points::{along, fitted};
+use midair::{Error, Result};
 
 use crate::studio::Studio;
 
 impl Studio {
-    pub(crate) fn along(&mut self, most: usize) -> Result<(), Error> {
+    pub(crate) fn along(&mut self, most: usize) -> Result<()> {
         let (mut contours, mut left) = (Vec::new(), &self.numbers_in[..]);
         while let Some((&count, rest)) = left.split_first() {
             let vertices = rest.split_at_checked(3 * count as usize);

@@ -1,6 +1,6 @@
 //! Lattices: caches the matrix G of places whose field is requested repeatedly, e.g. while a point is dragged.
 
-use midair::{Array, Complex32, Control, Error, FieldMatrix, Medium, Model, field};
+use midair::{Array, Complex32, Control, FieldMatrix, Medium, Model, Result, field};
 
 /// The largest number of entries of a stored G (64 MB), and the smallest for which storing saves time.
 const MOST: usize = 1 << 23;
@@ -31,12 +31,7 @@ pub(crate) struct Lattices(Vec<Lattice>);
 
 impl Lattices {
     /// Returns the field of a drive at places.
-    pub(crate) fn field(
-        &mut self,
-        model: &Model,
-        drive: &[Complex32],
-        places: &[[f64; 3]],
-    ) -> Result<Vec<Complex32>, Error> {
+    pub(crate) fn field(&mut self, model: &Model, drive: &[Complex32], places: &[[f64; 3]]) -> Result<Vec<Complex32>> {
         let control = &mut Control::none();
         let (array, medium) = (model.array(), model.medium());
         let entries = array.len() * places.len();

@@ -1,7 +1,7 @@
 //! Opened: a scene that was read, with its model and the session of its solver.
 
 use midair::files::{self, Format, Provenance, Source};
-use midair::{Control, Error, InstructionSet, Model, Moving, Problem, Scene, Session, SolveRequest};
+use midair::{Control, Error, InstructionSet, Model, Moving, Problem, Result, Scene, Session, SolveRequest};
 
 /// A scene and its session.
 pub(crate) struct Opened {
@@ -20,7 +20,7 @@ fn format(toml: bool) -> Format {
 
 impl Opened {
     /// Reads the text of a scene file.
-    pub(crate) fn read(text: &[u8], toml: bool, set: InstructionSet) -> Result<Self, Error> {
+    pub(crate) fn read(text: &[u8], toml: bool, set: InstructionSet) -> Result<Self> {
         let (scene, moving) = files::open(text, format(toml), Source::default(), set)?;
         let model = Model::of(&scene, set);
         let session = Session::chosen(model.clone(), scene.solver.as_ref())?;
@@ -29,7 +29,7 @@ impl Opened {
     }
 
     /// Moves the points of the scene, with these pressures or, if there are none, the old ones.
-    pub(crate) fn set_points(&mut self, points: Vec<[f64; 3]>, pressures: Option<Vec<f64>>) -> Result<(), Error> {
+    pub(crate) fn set_points(&mut self, points: Vec<[f64; 3]>, pressures: Option<Vec<f64>>) -> Result<()> {
         self.moving = None;
         let mut request = self.scene.request().clone();
         request.pressures = pressures.or(request.pressures);
@@ -39,7 +39,7 @@ impl Opened {
     }
 
     /// Returns the scene as the command line writes it. A motion has no other text than its own.
-    pub(crate) fn write(&self, toml: bool) -> Result<String, Error> {
+    pub(crate) fn write(&self, toml: bool) -> Result<String> {
         if let Some(moving) = &self.moving {
             let cure = "its points move: midair motion solves it and midair play plays it";
             return Err(Error::invalid("motion", format!("one of {} frames", moving.frames()), cure));
@@ -49,7 +49,7 @@ impl Opened {
     }
 
     /// Returns the problem of the scene.
-    pub(crate) fn problem(&self) -> Result<Problem, Error> {
+    pub(crate) fn problem(&self) -> Result<Problem> {
         Problem::of_scene(&self.scene, self.set, &mut Control::none())
     }
 }

@@ -1,12 +1,12 @@
 //! Play: solves frames one after the other, and encodes the bytes with which a board plays a drive.
 
-use midair::{Board, Complex32, Control, Error, Frames, Signature, SolveRequest};
+use midair::{Board, Complex32, Control, Error, Frames, Result, Signature, SolveRequest};
 
 use crate::opened::Opened;
 use crate::studio::Studio;
 
 impl Studio {
-    pub(crate) fn follow(&mut self, frames: usize) -> Result<(), Error> {
+    pub(crate) fn follow(&mut self, frames: usize) -> Result<()> {
         if frames == 0 && self.numbers_in.is_empty() {
             return self.follow_motion();
         }
@@ -33,7 +33,7 @@ impl Studio {
     }
 
     /// Solves the frames of the scene's motion.
-    fn follow_motion(&mut self) -> Result<(), Error> {
+    fn follow_motion(&mut self) -> Result<()> {
         let Opened { session, moving, model, .. } = self.opened()?;
         let moving = moving.clone().ok_or_else(still)?;
         let mut drives = vec![Complex32::ZERO; moving.frames() * model.array().len()];
@@ -43,7 +43,7 @@ impl Studio {
 
     /// Writes rate, closedness (1 or 0) and number of points of the scene's motion to the numbers, then the points (T, M, 3) in
     /// m and the targets (T, M) in Pa of all frames.
-    pub(crate) fn motion(&mut self) -> Result<(), Error> {
+    pub(crate) fn motion(&mut self) -> Result<()> {
         let moving = self.opened()?.moving.as_ref().ok_or_else(still)?;
         let mut numbers = vec![moving.rate, f64::from(u8::from(moving.closed)), moving.count() as f64];
         numbers.extend(moving.points.as_flattened());
@@ -53,7 +53,7 @@ impl Studio {
     }
 
     /// Keeps solved frames, points (T, M, 3) with targets (T, M), and reports on each.
-    fn keep(&mut self, drives: Vec<Complex32>, places: Vec<[f64; 3]>, targets: Option<&[f64]>) -> Result<(), Error> {
+    fn keep(&mut self, drives: Vec<Complex32>, places: Vec<[f64; 3]>, targets: Option<&[f64]>) -> Result<()> {
         let Opened { model, scene, .. } = self.opened()?;
         let (count, transducers) = (scene.points().len(), scene.array().len());
         let mut reported = Vec::new();
@@ -72,14 +72,14 @@ impl Studio {
         self.frame(0)
     }
 
-    pub(crate) fn frame(&mut self, frame: usize) -> Result<(), Error> {
+    pub(crate) fn frame(&mut self, frame: usize) -> Result<()> {
         let transducers = self.opened()?.scene.array().len();
         let drive = self.frames.chunks(transducers).nth(frame).map(<[_]>::to_vec);
         self.take(drive.ok_or_else(|| Error::invalid("frame", frame, "follow so many frames first"))?);
         Ok(())
     }
 
-    pub(crate) fn encode(&mut self) -> Result<(), Error> {
+    pub(crate) fn encode(&mut self) -> Result<()> {
         let board = self.board()?;
         let mut bytes = vec![0; board.frame_size()];
         board.encode(&self.drive, &mut bytes)?;
@@ -88,12 +88,12 @@ impl Studio {
         Ok(())
     }
 
-    pub(crate) fn silence(&mut self) -> Result<(), Error> {
+    pub(crate) fn silence(&mut self) -> Result<()> {
         self.bytes = self.board()?.silence();
         Ok(())
     }
 
-    fn board(&mut self) -> Result<Board, Error> {
+    fn board(&mut self) -> Result<Board> {
         let name = String::from_utf8_lossy(&self.text_in).into_owned();
         self.opened()?.scene.array().board(&name)
     }

@@ -3,7 +3,7 @@
 use midair::files::{read_array, read_drive, write_drive};
 use midair::flight::Course;
 use midair::touch::Touch;
-use midair::{Array, Complex32, Control, Error, InstructionSet, Moving, Notice, Precision, bound, spl};
+use midair::{Array, Complex32, Control, Error, InstructionSet, Moving, Notice, Precision, Result, bound, spl};
 use serde_json::{Value, json};
 
 use crate::lattices::Lattices;
@@ -45,7 +45,7 @@ impl Studio {
     }
 
     /// Runs the work of a function; writes its error to the text and returns 1 if it fails, else returns 0.
-    pub(crate) fn work(&mut self, work: impl FnOnce(&mut Self) -> Result<(), Error>) -> u32 {
+    pub(crate) fn work(&mut self, work: impl FnOnce(&mut Self) -> Result<()>) -> u32 {
         self.text.clear();
         match work(self) {
             Ok(()) => 0,
@@ -56,7 +56,7 @@ impl Studio {
         }
     }
 
-    pub(crate) fn open(&mut self, toml: bool, scalar: bool) -> Result<(), Error> {
+    pub(crate) fn open(&mut self, toml: bool, scalar: bool) -> Result<()> {
         let set = if scalar { InstructionSet::SCALAR } else { InstructionSet::best() };
         self.frames.clear();
         self.touch = None;
@@ -68,21 +68,21 @@ impl Studio {
         Ok(())
     }
 
-    pub(crate) fn opened(&mut self) -> Result<&mut Opened, Error> {
+    pub(crate) fn opened(&mut self) -> Result<&mut Opened> {
         self.opened.as_mut().ok_or_else(|| Error::invalid("scene", "none", "open one first"))
     }
 
-    pub(crate) fn save(&mut self, toml: bool) -> Result<(), Error> {
+    pub(crate) fn save(&mut self, toml: bool) -> Result<()> {
         self.text = self.opened()?.write(toml)?;
         Ok(())
     }
 
-    pub(crate) fn array(&mut self) -> Result<(), Error> {
+    pub(crate) fn array(&mut self) -> Result<()> {
         self.numbers = placed(self.opened()?.scene.array());
         Ok(())
     }
 
-    pub(crate) fn read_array(&mut self) -> Result<(), Error> {
+    pub(crate) fn read_array(&mut self) -> Result<()> {
         let (name, text) = self.named();
         let array = read_array(text, &name)?;
         if let Some(doubt) = array.doubts(array.medium(&[])?).first() {
@@ -92,14 +92,14 @@ impl Studio {
         Ok(())
     }
 
-    pub(crate) fn read_drive(&mut self) -> Result<(), Error> {
+    pub(crate) fn read_drive(&mut self) -> Result<()> {
         let (name, text) = self.named();
         let drive = read_drive(text, &name)?;
         self.take(drive);
         Ok(())
     }
 
-    pub(crate) fn write_drive(&mut self) -> Result<(), Error> {
+    pub(crate) fn write_drive(&mut self) -> Result<()> {
         let array = self.opened.as_ref().ok_or_else(none)?.scene.array();
         self.text = write_drive(Some(array.positions()), &self.drive);
         Ok(())
@@ -112,7 +112,7 @@ impl Studio {
         (String::from_utf8_lossy(&self.text_in[..end]).into_owned(), text)
     }
 
-    pub(crate) fn solve(&mut self) -> Result<(), Error> {
+    pub(crate) fn solve(&mut self) -> Result<()> {
         let Opened { session, ask, .. } = self.opened.as_mut().ok_or_else(none)?;
         let solution = session.solve(ask, &mut Control::none())?;
         self.drive.clear();
@@ -130,21 +130,21 @@ impl Studio {
         Ok(())
     }
 
-    pub(crate) fn set_points(&mut self, points: usize) -> Result<(), Error> {
+    pub(crate) fn set_points(&mut self, points: usize) -> Result<()> {
         let given = core::mem::take(&mut self.numbers_in);
         let (places, pressures) = given.split_at_checked(3 * points).unwrap_or((&given, &[]));
         let pressures = (!pressures.is_empty()).then(|| pressures.to_vec());
         self.opened()?.set_points(places.as_chunks().0.to_vec(), pressures)
     }
 
-    pub(crate) fn judge(&mut self) -> Result<(), Error> {
+    pub(crate) fn judge(&mut self) -> Result<()> {
         let problem = self.opened()?.problem()?;
         let metrics = problem.judge(&played(&self.drive, self.scale), Precision::Double, &mut Control::none())?;
         self.numbers = metrics.values().to_vec();
         Ok(())
     }
 
-    pub(crate) fn load(&mut self, scale: f32) -> Result<(), Error> {
+    pub(crate) fn load(&mut self, scale: f32) -> Result<()> {
         let (count, given) = (self.opened()?.scene.array().len(), self.numbers_in.as_chunks().0);
         if given.len() != count {
             let cure = format!("the array has {count} transducers: give as many");
@@ -155,14 +155,14 @@ impl Studio {
         Ok(())
     }
 
-    pub(crate) fn field(&mut self) -> Result<(), Error> {
+    pub(crate) fn field(&mut self) -> Result<()> {
         let drive = played(&self.drive, self.scale);
         let Opened { model, .. } = self.opened.as_mut().ok_or_else(none)?;
         self.pressures = self.lattices.field(model, &drive, self.numbers_in.as_chunks().0)?;
         Ok(())
     }
 
-    pub(crate) fn probe(&mut self) -> Result<(), Error> {
+    pub(crate) fn probe(&mut self) -> Result<()> {
         self.field()?;
         let medium = self.opened.as_ref().ok_or_else(none)?.scene.medium();
         self.numbers.clear();
@@ -173,7 +173,7 @@ impl Studio {
         Ok(())
     }
 
-    pub(crate) fn bound(&mut self) -> Result<(), Error> {
+    pub(crate) fn bound(&mut self) -> Result<()> {
         let problem = self.opened()?.problem()?;
         self.numbers = vec![bound(&problem, &mut Control::none())?];
         Ok(())

@@ -1,12 +1,12 @@
 //! Touch: the predicted motion of a skin under the frames that `follow` has solved, which repeat for ever.
 
 use midair::touch::Touch;
-use midair::{Control, Error};
+use midair::{Control, Error, Result};
 
 use crate::studio::Studio;
 
 impl Studio {
-    pub(crate) fn skin(&mut self, rate: f64) -> Result<(), Error> {
+    pub(crate) fn skin(&mut self, rate: f64) -> Result<()> {
         let scene = &self.opened()?.scene;
         let (transducers, medium) = (scene.array().len(), scene.medium());
         let places: Vec<[f64; 3]> = self.numbers_in.as_chunks().0.to_vec();
@@ -24,7 +24,7 @@ impl Studio {
         Ok(())
     }
 
-    pub(crate) fn moved(&mut self, frame: usize) -> Result<(), Error> {
+    pub(crate) fn moved(&mut self, frame: usize) -> Result<()> {
         let touch = self.touch.as_ref().filter(|touch| frame < touch.count());
         let touch = touch.ok_or_else(|| Error::invalid("frame", frame, "predict the skin's motion first"))?;
         self.numbers = touch.at(frame, 0..touch.skin.slow.len()).into_iter().map(f64::from).collect();

@@ -1,9 +1,7 @@
 //! AUTD3: for each device 249 phase bytes, then 249 intensity bytes, written by `planes`.
 
 use crate::device::boards::planes;
-use crate::device::code::{Levels, Steps};
-use crate::device::format::{Format, Layout, twice};
-use crate::device::link::Link;
+use crate::device::format::{Format, Layout, Levels, Link, Steps, twice};
 
 const CHANNELS: usize = 249;
 

@@ -2,9 +2,7 @@
 //!
 //! A word of 8 bytes switches a channel off. A burst of bytes sets phases and switches channels on.
 
-use crate::device::code::{Code, Levels, Steps};
-use crate::device::format::{Format, Layout, Reader, Writer, twice};
-use crate::device::link::Link;
+use crate::device::format::{Code, Format, Layout, Levels, Link, Reader, Steps, Writer, twice};
 use crate::prelude::*;
 
 const CHANNELS: usize = 128;
@@ -76,7 +74,7 @@ fn word(bytes: &mut Writer<'_>, command: u8, data: [u8; 4]) {
     [SUFFIX].into_iter().chain(data).chain([command, 0, PREFIX]).for_each(|byte| bytes.put(byte));
 }
 
-fn decode(boards: usize, frame: &[u8], put: &mut dyn FnMut(usize, Code)) -> Result<(), Error> {
+fn decode(boards: usize, frame: &[u8], put: &mut dyn FnMut(usize, Code)) -> Result<()> {
     let mut bytes = Reader::new(frame);
     for fpga in 0..boards {
         let end = (fpga + 1) * SIZE;
@@ -94,9 +92,7 @@ fn decode(boards: usize, frame: &[u8], put: &mut dyn FnMut(usize, Code)) -> Resu
                 continue;
             }
             let count = u32::from_le_bytes(data);
-            if count % 2 > 0 {
-                return Err(bytes.fault(PREFIX, "an even number of bytes in the word before it"));
-            }
+            refuse_if!(count % 2 > 0, bytes.fault(PREFIX, "an even number of bytes in the word before it"));
             for _ in 0..count / 2 {
                 let [phase, number] = [bytes.get()?, bytes.get()?];
                 put(fpga * CHANNELS + channel(&bytes, number)?, Code { phase: phase.into(), level: 1 });
@@ -106,7 +102,7 @@ fn decode(boards: usize, frame: &[u8], put: &mut dyn FnMut(usize, Code)) -> Resu
     bytes.end()
 }
 
-fn channel(bytes: &Reader<'_>, number: u8) -> Result<usize, Error> {
+fn channel(bytes: &Reader<'_>, number: u8) -> Result<usize> {
     let channel = usize::from(number);
     if channel < CHANNELS { Ok(channel) } else { Err(bytes.fault(number, "channels of 0 to 127")) }
 }

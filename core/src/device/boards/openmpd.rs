@@ -1,9 +1,7 @@
 //! OpenMPD: for each board 256 bytes of phases, then 256 bytes of pulse widths, in the order of the pins.
 
 use crate::device::boards::planes;
-use crate::device::code::{Levels, Steps};
-use crate::device::format::{Format, Layout, thrice};
-use crate::device::link::Link;
+use crate::device::format::{Format, Layout, Levels, Link, Steps, thrice};
 
 const CHANNELS: usize = 256;
 /// This bit is set in the first byte of each board's frame.

@@ -1,7 +1,6 @@
 //! Planes: frames with the phases of all N channels of a board, one byte each, followed by their levels.
 
-use crate::device::code::Code;
-use crate::device::format::Reader;
+use crate::device::format::{Code, Reader};
 use crate::prelude::*;
 
 /// Writes N phases and then N levels for each board. The bit `begin` is set in the first byte of a board; 0 means no mark.
@@ -22,7 +21,7 @@ pub(super) fn read<const N: usize>(
     [begin, most]: [u8; 2],
     frame: &[u8],
     put: &mut dyn FnMut(usize, Code),
-) -> Result<(), Error> {
+) -> Result<()> {
     let mut bytes = Reader::new(frame);
     for board in 0..boards {
         let mut phases = [0; N];

@@ -2,9 +2,7 @@
 //!
 //! Two boards are selected one after the other, and both swap at the same time.
 
-use crate::device::code::{Code, Levels, Steps};
-use crate::device::format::{Format, Layout, Reader, Writer};
-use crate::device::link::Link;
+use crate::device::format::{Code, Format, Layout, Levels, Link, Reader, Steps, Writer};
 use crate::prelude::*;
 
 const CHANNELS: usize = 256;
@@ -75,7 +73,7 @@ fn encode(boards: usize, code: &dyn Fn(usize) -> Code, frame: &mut [u8]) {
     bytes.put(SWAP);
 }
 
-fn decode(boards: usize, frame: &[u8], put: &mut dyn FnMut(usize, Code)) -> Result<(), Error> {
+fn decode(boards: usize, frame: &[u8], put: &mut dyn FnMut(usize, Code)) -> Result<()> {
     let mut bytes = Reader::new(frame);
     for board in 0..boards {
         if boards > 1 {

@@ -1,8 +1,6 @@
 //! Ultraino's Arduinos: in each tick of a period, one bit for each pin says whether it is high; a byte contains four bits.
 
-use crate::device::code::{Code, Levels, Steps};
-use crate::device::format::{Format, Layout, Reader, Writer, thrice};
-use crate::device::link::Link;
+use crate::device::format::{Code, Format, Layout, Levels, Link, Reader, Steps, Writer, thrice};
 use crate::prelude::*;
 
 /// Exchanges the two buffers.
@@ -119,7 +117,7 @@ fn write_nano<const N: usize>(ticks: u16, code: &dyn Fn(usize) -> Code, frame: &
     bytes.put(SWAP);
 }
 
-fn read_nano<const N: usize>(ticks: u16, frame: &[u8], put: &mut dyn FnMut(usize, Code)) -> Result<(), Error> {
+fn read_nano<const N: usize>(ticks: u16, frame: &[u8], put: &mut dyn FnMut(usize, Code)) -> Result<()> {
     let mut bytes = Reader::new(frame);
     let mut on = |channel, Code { phase, level }| put(channel, Code { phase, level: level.min(1) });
     read::<N>(ticks, N / 8, 0, &|channel| channel, Some(ticks / 2), &mut on, &mut bytes)?;
@@ -163,7 +161,7 @@ fn read<const N: usize>(
     width: Option<u16>,
     put: &mut dyn FnMut(usize, Code),
     bytes: &mut Reader<'_>,
-) -> Result<(), Error> {
+) -> Result<()> {
     let mut high = [0_u32; 80];
     let addressed = |byte: u8| usize::from(byte & 0x0f) == board + 1;
     for tick in 0..ticks {

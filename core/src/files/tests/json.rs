@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use crate::files::json::{find, read};
 use crate::files::node::Node;
 use crate::files::source::{Format, Source};
-use crate::files::step::Step;
+use crate::files::syntax::Step;
 
 /// The error for a text, without its example.
 fn refusal(text: &str) -> String {

@@ -27,10 +27,9 @@
 //! 4. The memory begins on a cache line: .59 ns for each transducer and point instead of .63 at M = 64.
 
 use crate::kernels::grid::Phases;
-use crate::kernels::lanes::{LANES, Octet, groups, groups_mut};
+use crate::kernels::prelude::*;
 use crate::kernels::propagate::octets::write_rows;
 use crate::kernels::propagate::rows::Rows;
-use crate::kernels::simd::{Elementwise, Simd, TINY};
 
 /// Number of transducers in the largest block: their real and imaginary sums fill a lane group.
 pub(crate) const MOST: usize = LANES / 2;

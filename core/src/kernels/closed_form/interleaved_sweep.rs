@@ -14,9 +14,7 @@ use core::array;
 
 use crate::kernels::closed_form::blocks;
 use crate::kernels::closed_form::blocks::{Block, Layout, Look, MOST, Sweep, direction};
-use crate::kernels::lanes::{LANES, Lanes, Octet, groups, groups_mut};
-use crate::kernels::simd::{InstructionSet, Simd, dispatch};
-use crate::prelude::*;
+use crate::kernels::prelude::*;
 
 /// Runs [`crate::kernels::closed_form::sweep`] for the problems of all lanes, each of up to 16 points. `drive` has two
 /// lane groups for each transducer: the real and the imaginary parts.

@@ -8,8 +8,7 @@ mod short;
 
 pub(crate) use blocks::{MOST, Memory, Sweep, floats};
 
-use crate::kernels::simd::instruction_set::InstructionSet;
-use crate::prelude::*;
+use crate::kernels::prelude::*;
 
 /// Gives every transducer of `order` the phase arg sum w conj(G) (t P/|P| - P + `own` G q), symbols as in [`blocks`]. Calls `report` with the points' pressures after each block. If `report` returns false, the sweep ends and
 /// returns false.

@@ -2,9 +2,7 @@
 
 use crate::kernels::closed_form::blocks;
 use crate::kernels::closed_form::blocks::{Block, Layout, Look, MOST, QUAD, Sweep, directions, own_power};
-use crate::kernels::lanes::{LANES, Lanes, Octet, groups};
-use crate::kernels::simd::{InstructionSet, Simd, dispatch};
-use crate::prelude::*;
+use crate::kernels::prelude::*;
 
 /// Runs the sweep [`closed_form::sweep`] with 16 points in a lane group.
 pub(super) fn sweep(

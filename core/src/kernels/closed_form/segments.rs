@@ -16,16 +16,11 @@
 
 use core::array;
 
-use crate::kernels::closed_form::blocks;
-use crate::kernels::closed_form::blocks::{
-    Block, Layout, Look, MOST, Memory, QUAD, ROWS, Sweep, directions, own_power,
-};
-use crate::kernels::lanes::{LANES, Lanes, Line, Octet, groups};
+use crate::kernels::closed_form::blocks::{Block, Layout, Look, QUAD, ROWS, directions, own_power};
+use crate::kernels::closed_form::{MOST, Memory, Sweep, blocks};
+use crate::kernels::prelude::*;
 use crate::kernels::propagate::octets::write_segments;
-use crate::kernels::propagate::row::ControlPoints;
-use crate::kernels::propagate::rows::Rows;
-use crate::kernels::simd::{InstructionSet, Simd, dispatch};
-use crate::prelude::*;
+use crate::kernels::{ControlPoints, Rows};
 
 /// The rows of two blocks over one lane group, aligned to a cache line.
 #[repr(align(64))]

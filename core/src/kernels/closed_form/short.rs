@@ -6,10 +6,8 @@
 
 use crate::kernels::closed_form::blocks::{MOST, Memory, QUAD, Sweep, own_power, residual, unit};
 use crate::kernels::grid::Phases;
-use crate::kernels::lanes::{LANES, Lanes, Octet, groups, groups_mut};
+use crate::kernels::prelude::*;
 use crate::kernels::propagate::octets::write_rows;
-use crate::kernels::simd::{Apart, Elementwise, InstructionSet, Simd, dispatch};
-use crate::prelude::*;
 
 /// Runs [`crate::kernels::closed_form::sweep`] on an instruction set of narrow registers.
 pub(super) fn sweep(

@@ -3,8 +3,7 @@
 use crate::kernels::greedy::candidates::{Candidates, Sixteen};
 use crate::kernels::greedy::moments::Moments;
 use crate::kernels::greedy::search::Points;
-use crate::kernels::lanes::{LANES, Lanes};
-use crate::kernels::simd::{Apart, Elementwise, Simd, TINY};
+use crate::kernels::prelude::*;
 
 /// The values on which the energies in one transducer's update depend.
 pub(crate) struct Energies<'a, S: Simd> {

@@ -19,19 +19,12 @@
 //! 3. Eq. (7) in every lane takes as long as a few single updates, and saves 4, 7 and 10 % at M = 4, 8 and 16: in early
 //!    updates most lanes have points that the moments leave out.
 
-use crate::kernels::greedy;
-use crate::kernels::greedy::candidates::Candidates;
-use crate::kernels::greedy::large_grid;
 use crate::kernels::greedy::moments::{ENERGY, FACTORS, PARTS, POWER, POWERS, THIRD, add_parts, change, powers, slack};
-use crate::kernels::greedy::objective::L2;
-use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::greedy::search::{EQUAL, Points, largest};
-use crate::kernels::greedy::shortlist;
 use crate::kernels::greedy::shortlist::few;
-use crate::kernels::greedy::{Layout, Pass, PointsInLanes, Search, run};
-use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
-use crate::kernels::simd::{InstructionSet, Simd, dispatch};
-use crate::prelude::*;
+use crate::kernels::greedy::{Layout, Pass, PointsInLanes, Search, large_grid, run, shortlist};
+use crate::kernels::prelude::*;
+use crate::kernels::{Candidates, L2, PointGroup, greedy};
 
 /// Returns whether this pass can search K = `amplitudes` times L = `phases` candidates.
 pub(crate) fn fits(phases: usize, amplitudes: usize) -> bool {

@@ -37,8 +37,7 @@ use crate::kernels::greedy::candidates::{Candidates, Sixteen};
 use crate::kernels::greedy::energies::Energies;
 use crate::kernels::greedy::shortlist;
 use crate::kernels::greedy::shortlist::List;
-use crate::kernels::lanes::{LANES, Lanes};
-use crate::kernels::simd::Simd;
+use crate::kernels::prelude::*;
 
 /// Number of phases that are evaluated first, and of arcs between them.
 const ARCS: usize = 2 * LANES;

@@ -25,7 +25,6 @@ pub(crate) mod energies;
 pub(crate) mod interleaved_pass;
 pub(crate) mod large_grid;
 pub(crate) mod moments;
-pub(crate) mod objective;
 pub(crate) mod point_group;
 pub(crate) mod replacement;
 pub(crate) mod search;
@@ -33,18 +32,12 @@ pub(crate) mod shortlist;
 
 use core::marker::PhantomData;
 
+use crate::kernels::greedy::candidates::Term;
 use crate::kernels::greedy::energies::Energies;
-use crate::prelude::*;
-
-use crate::kernels::greedy::candidates::Candidates;
 use crate::kernels::greedy::moments::{Moments, PARTS, Parts};
-use crate::kernels::greedy::objective::Term;
 use crate::kernels::greedy::search::Points;
-use crate::kernels::propagate::rows::Rows;
-
-use crate::kernels::greedy::point_group::PointGroup;
-use crate::kernels::lanes::{LANES, groups, groups_mut};
-use crate::kernels::simd::{InstructionSet, Simd, dispatch};
+use crate::kernels::prelude::*;
+use crate::kernels::{Candidates, PointGroup, Rows};
 
 /// Largest difference of two energies that is ignored, relative to the energy of silence. It is a fifth of the loss
 /// that docs/reproducibility.md allows; the rest is for the rounding of G.

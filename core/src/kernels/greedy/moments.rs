@@ -46,8 +46,7 @@
 
 use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::greedy::search::Points;
-use crate::kernels::lanes::{LANES, Lanes, groups};
-use crate::kernels::simd::{Apart, Elementwise, Simd};
+use crate::kernels::prelude::*;
 use crate::math::sqrtf;
 
 /// The largest |u| for which the polynomial is used.

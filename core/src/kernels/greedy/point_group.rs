@@ -1,8 +1,7 @@
 //! Point group: pressures, targets and weights of 16 points, and the values that the greedy search computes from them.
 
-use crate::kernels::greedy::objective::{L2, Term, rise};
-use crate::kernels::lanes::{LANES, Lanes, groups};
-use crate::kernels::simd::{Apart, Elementwise, Simd, TINY};
+use crate::kernels::greedy::candidates::{L2, Term, rise};
+use crate::kernels::prelude::*;
 
 /// 16 points of one problem, or one point of 16 problems; computed again when the pressures change.
 #[derive(Clone, Copy, Debug, Default)]

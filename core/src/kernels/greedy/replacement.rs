@@ -6,14 +6,11 @@
 //! P += G q
 //! ```
 
-use crate::kernels::greedy::candidates::{Candidates, PhaseRange};
-use crate::kernels::greedy::objective::{L2, Term};
-use crate::kernels::greedy::point_group;
+use crate::kernels::greedy::candidates::{Candidates, L2, PhaseRange, Term};
 use crate::kernels::greedy::point_group::PointGroup;
-use crate::kernels::greedy::search;
 use crate::kernels::greedy::search::Points;
-use crate::kernels::lanes::{groups, groups_mut};
-use crate::kernels::simd::{InstructionSet, Simd, dispatch};
+use crate::kernels::greedy::{point_group, search};
+use crate::kernels::prelude::*;
 
 /// Writes point groups from targets and weights (`requested`) and pressures (`field`), lists of the same padded length.
 pub(crate) fn keep(set: InstructionSet, requested: [&[f32]; 2], field: [&[f32]; 2], points: &mut [PointGroup]) {

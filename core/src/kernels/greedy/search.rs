@@ -5,11 +5,9 @@
 
 use core::marker::PhantomData;
 
-use crate::kernels::greedy::candidates::{Candidates, PhaseRange, Sixteen};
-use crate::kernels::greedy::objective::{Term, rise};
+use crate::kernels::greedy::candidates::{Candidates, PhaseRange, Sixteen, Term, rise};
 use crate::kernels::greedy::point_group::PointGroup;
-use crate::kernels::lanes::{LANES, Lanes, groups};
-use crate::kernels::simd::{Apart, Elementwise, Simd};
+use crate::kernels::prelude::*;
 
 /// The values at the points that the search needs: groups of pressures and targets, and the transducer's row of G.
 #[derive(Clone, Copy)]

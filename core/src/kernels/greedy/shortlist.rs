@@ -13,13 +13,10 @@
 //!    short. With candidates in the lanes a list of two took as long as one of 16. This saves 5 to 15 % at N = 996, M =
 //!    64 and 256, and a third at N = 400, M = 256.
 
-use crate::kernels::greedy::candidates::Candidates;
+use crate::kernels::greedy::candidates::{Candidates, L2};
 use crate::kernels::greedy::energies::Energies;
-use crate::kernels::greedy::objective::L2;
 use crate::kernels::greedy::search;
-use crate::kernels::lanes::LANES;
-use crate::kernels::lanes::Lanes;
-use crate::kernels::simd::Simd;
+use crate::kernels::prelude::*;
 
 /// Largest length of a list.
 pub(crate) const MOST: usize = 256;

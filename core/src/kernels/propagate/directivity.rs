@@ -1,9 +1,8 @@
 //! Directivity D(theta), computed from cos(theta) by polynomials.
 
-use crate::kernels::lanes::Lanes;
 use crate::kernels::phasor::{log2, power_of_two};
-use crate::kernels::simd::{Elementwise, WHOLE};
-use crate::prelude::*;
+use crate::kernels::prelude::*;
+use crate::kernels::simd::WHOLE;
 
 /// The directivity D as a function of cos(theta) from 0 to 1. Each kind and length is a type, for which loops are
 /// compiled.

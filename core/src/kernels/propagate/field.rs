@@ -11,13 +11,10 @@
 //! 3. The sources of a run, 16 KB, stay in the nearest cache. (Where the code must be short, the stack must be small
 //!    too: a run then has 64 transducers.)
 
-use crate::kernels::lanes::{LANES, groups, groups_mut};
-use crate::kernels::propagate::form::{Form, Radiation, formed};
+use crate::kernels::prelude::*;
 use crate::kernels::propagate::row::{ControlPoints, element, silence};
-use crate::kernels::propagate::source::SourceList;
-use crate::kernels::simd::{Apart, Elementwise, InstructionSet, dispatch};
+use crate::kernels::propagate::source::{Form, Radiation, SourceList, formed};
 use crate::kernels::vector::add_wave;
-use crate::prelude::*;
 
 /// Number of transducers in a run: their waves are added before the next points follow.
 const RUN: usize = 512;
@@ -40,7 +37,7 @@ pub(crate) fn add_field(
     points: ControlPoints<'_>,
     field: [&mut [f32]; 2],
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     if points.count <= FEW && !set.is_short() {
         return dispatch!(set, s => formed!(s, radiation, sources.in_phase, form => {
             add_few(s, form, (radiation, sources), drive, points, field, control)
@@ -63,7 +60,7 @@ fn add_few<S: Elementwise, F: Form>(
     points: ControlPoints<'_>,
     [re, im]: [&mut [f32]; 2],
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     let [x, y, z] = points.coordinates;
     let mut sums = [[s.splat(0.0); 2]; FEW];
     for (j, sum) in sums.iter_mut().enumerate().take(points.count) {
@@ -105,7 +102,7 @@ struct Sum<'a, 'b, F> {
     points: ControlPoints<'a>,
     field: [&'a mut [f32]; 2],
     control: &'a mut Control<'b>,
-    ended: Result<(), Error>,
+    ended: Result<()>,
 }
 
 impl<F: Form> Apart for Sum<'_, '_, F> {
@@ -132,7 +129,7 @@ fn add_form<S: Elementwise, F: Form, const RUN: usize>(
     points: ControlPoints<'_>,
     [re, im]: [&mut [f32]; 2],
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     for (run, drive) in drive.chunks(RUN).enumerate() {
         let mut driven = [(0, Complex32::ZERO); RUN];
         let mut count = 0;

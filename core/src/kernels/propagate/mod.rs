@@ -2,7 +2,6 @@
 
 pub(crate) mod directivity;
 pub(crate) mod field;
-pub(crate) mod form;
 pub(crate) mod moduli;
 pub(crate) mod octets;
 pub(crate) mod row;

@@ -11,15 +11,9 @@
 //! take a quarter of the time that they take with the points in the lanes. Points that fill lane groups are put into
 //! the lanes where the amplitudes of all elements are stored for the rows that follow.
 
-use core::ops::Range;
-
-use crate::kernels::lanes::Lanes;
-use crate::kernels::lanes::{LANES, Line, groups, groups_mut};
-use crate::kernels::propagate::form::{Form, Radiation, formed};
+use crate::kernels::prelude::*;
 use crate::kernels::propagate::row::{ControlPoints, spread};
-use crate::kernels::propagate::source::{SourceGroup, SourceLanes, SourceList};
-use crate::kernels::simd::{Apart, Elementwise, InstructionSet, Simd, dispatch};
-use crate::prelude::*;
+use crate::kernels::propagate::source::{Form, Radiation, SourceGroup, SourceLanes, SourceList, formed};
 
 /// Number of source groups whose moduli are summed in f32 before the sum continues in f64; they stay in the nearest
 /// cache meanwhile.
@@ -75,7 +69,7 @@ pub(crate) fn add_moduli(
     nearest: f32,
     out: &mut [f64],
     control: &mut Control,
-) -> Result<bool, Error> {
+) -> Result<bool> {
     // Phases do not change |G|.
     dispatch!(set, s => formed!(s, run.radiation, true, form => add_form(s, form, run, points, nearest, out, control)))
 }
@@ -89,7 +83,7 @@ fn add_form<S: Simd>(
     nearest: f32,
     out: &mut [f64],
     control: &mut Control,
-) -> Result<bool, Error> {
+) -> Result<bool> {
     let [x, y, z] = points.coordinates;
     let mut near = 0;
     for (j, (((&x, &y), &z), out)) in x.iter().zip(y).zip(z).zip(out).enumerate() {

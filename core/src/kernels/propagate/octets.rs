@@ -3,12 +3,10 @@
 //! The rows are written by a function that is not inlined, and the form is chosen before its loops. So the kernel that
 //! calls it keeps its values in registers. Padding is not set to 0.
 
-use crate::kernels::lanes::{LANES, Line, Octet, groups};
-use crate::kernels::propagate::form::{Form, Radiation, formed};
+use crate::kernels::prelude::*;
 use crate::kernels::propagate::row::{ControlPoints, element, known, silence};
 use crate::kernels::propagate::rows::Rows;
-use crate::kernels::propagate::source::SourceList;
-use crate::kernels::simd::{Apart, Elementwise, Simd};
+use crate::kernels::propagate::source::{Form, Radiation, SourceList, formed};
 
 /// Writes the rows of `members` from column `first` on.
 #[inline(always)]

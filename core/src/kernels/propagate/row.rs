@@ -1,11 +1,9 @@
 //! Elements of G, eq. (5), in f32: one source and all control points, or 16 sources and one point.
 
-use crate::kernels::lanes::{BLOCK, Block};
-use crate::kernels::lanes::{LANES, Lanes, Line, groups, groups_mut};
+use crate::kernels::lanes::Block;
 use crate::kernels::phasor::{power_of_two, wave};
-use crate::kernels::propagate::form::{Form, Plain, Radiation, formed};
-use crate::kernels::propagate::source::{SourceLanes, SourceList};
-use crate::kernels::simd::{Apart, Elementwise, InstructionSet, Simd, dispatch};
+use crate::kernels::prelude::*;
+use crate::kernels::propagate::source::{Form, Plain, Radiation, SourceLanes, SourceList, formed};
 
 /// Least distance in wavelengths: shorter distances count as this one, so that no field is infinite.
 pub(crate) const NEAREST: f32 = 0.01;

@@ -2,12 +2,10 @@
 
 use core::ops::Range;
 
-use crate::kernels::lanes::{BLOCK, Block};
-use crate::kernels::lanes::{LANES, Line, padded};
-use crate::kernels::propagate::form::Radiation;
+use crate::kernels::lanes::Block;
+use crate::kernels::prelude::*;
 use crate::kernels::propagate::row::{ControlPoints, write_known_row, write_row, write_tile};
-use crate::kernels::propagate::source::SourceList;
-use crate::kernels::simd::Simd;
+use crate::kernels::propagate::source::{Radiation, SourceList};
 
 /// Rows of the propagation matrix G, one for each transducer; a row is a whole number of lane groups.
 #[derive(Clone, Copy)]

@@ -97,16 +97,14 @@ impl Elementwise for Avx2 {
         unsafe { inner(f) }
     }
 
-    #[inline(always)]
-    fn splat(self, x: f32) -> Pair {
+    inlined! {
         // SAFETY: the token proves that the CPU has AVX2.
-        [unsafe { _mm256_set1_ps(x) }; 2]
-    }
-
-    #[inline(always)]
-    fn load(self, lanes: &Lanes) -> Pair {
+        splat(self, x: f32) -> Pair = [unsafe { _mm256_set1_ps(x) }; 2];
         // SAFETY: 16 numbers fill two registers.
-        unsafe { [_mm256_loadu_ps(lanes.as_ptr()), _mm256_loadu_ps(lanes.as_ptr().add(8))] }
+        load(self, lanes: &Lanes) -> Pair =
+            unsafe { [_mm256_loadu_ps(lanes.as_ptr()), _mm256_loadu_ps(lanes.as_ptr().add(8))] };
+        rsqrt(self, a: Pair) -> Pair = self.rsqrt_estimate(a);
+        rsqrt_guess(self, a: Pair) -> (Pair, Pair) = (self.rsqrt_estimate(a), self.splat(0.0));
     }
 
     #[inline(always)]
@@ -154,16 +152,6 @@ impl Elementwise for Avx2 {
             let one = _mm256_set1_ps(1.0);
             ([first, second], [_mm256_div_ps(one, first), _mm256_div_ps(one, second)])
         }
-    }
-
-    #[inline(always)]
-    fn rsqrt(self, a: Pair) -> Pair {
-        self.rsqrt_estimate(a)
-    }
-
-    #[inline(always)]
-    fn rsqrt_guess(self, a: Pair) -> (Pair, Pair) {
-        (self.rsqrt_estimate(a), self.splat(0.0))
     }
 
     #[inline(always)]

@@ -39,33 +39,23 @@ pub(crate) trait Doubles: Copy {
     fn select_doubles(self, a: Self::D, b: Self::D, x: Self::D, y: Self::D) -> Self::D;
 }
 
-/// Defines methods that are one expression.
-macro_rules! operations {
-    ($($name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $body:expr;)*) => {$(
-        #[inline(always)]
-        fn $name(self, $($argument: $kind),*) -> $result {
-            $body
-        }
-    )*};
-}
-
 /// Processes one number at a time.
 impl<R: Copy> Doubles for Fours<R> {
     type D = f64;
 
     const WIDTH: usize = 1;
 
-    operations! {
-        splat_double(x: f64) -> f64 = x;
-        load_doubles(from: &[f64]) -> f64 = from[0];
-        store_doubles(d: f64, to: &mut [f64]) -> () = to[0] = d;
-        add_doubles(a: f64, b: f64) -> f64 = a + b;
-        sub_doubles(a: f64, b: f64) -> f64 = a - b;
-        mul_doubles(a: f64, b: f64) -> f64 = a * b;
-        div_doubles(a: f64, b: f64) -> f64 = a / b;
-        sqrt_doubles(a: f64) -> f64 = math::sqrt(a);
-        rsqrt_estimate_doubles(a: f64) -> f64 = f64::from_bits(ROOT - (a.to_bits() >> 1));
-        select_doubles(a: f64, b: f64, x: f64, y: f64) -> f64 = if a < b { x } else { y };
+    inlined! {
+        splat_double(self, x: f64) -> f64 = x;
+        load_doubles(self, from: &[f64]) -> f64 = from[0];
+        store_doubles(self, d: f64, to: &mut [f64]) -> () = to[0] = d;
+        add_doubles(self, a: f64, b: f64) -> f64 = a + b;
+        sub_doubles(self, a: f64, b: f64) -> f64 = a - b;
+        mul_doubles(self, a: f64, b: f64) -> f64 = a * b;
+        div_doubles(self, a: f64, b: f64) -> f64 = a / b;
+        sqrt_doubles(self, a: f64) -> f64 = math::sqrt(a);
+        rsqrt_estimate_doubles(self, a: f64) -> f64 = f64::from_bits(ROOT - (a.to_bits() >> 1));
+        select_doubles(self, a: f64, b: f64, x: f64, y: f64) -> f64 = if a < b { x } else { y };
     }
 }
 

@@ -130,9 +130,11 @@ impl<R: Register> Elementwise for Fours<R> {
         f()
     }
 
-    #[inline(always)]
-    fn splat(self, x: f32) -> Self::V {
-        [self.0.splat(x); FOUR]
+    inlined! {
+        splat(self, x: f32) -> Self::V = [self.0.splat(x); FOUR];
+        quarters(self, numbers: [f32; 4]) -> Self::V = each!(self, splat, numbers);
+        gather(self, table: &Lanes, index: Self::V) -> Self::V = index.map(|index| self.0.gather(table, index));
+        gather_list(self, list: &[f32], index: Self::V) -> Self::V = index.map(|index| self.0.gather_list(list, index));
     }
 
     #[inline(always)]
@@ -155,21 +157,6 @@ impl<R: Register> Elementwise for Fours<R> {
         (0..FOUR).fold(0, |bits, k| bits | self.0.less(a[k], b[k]) << (FOUR * k))
     }
 
-    #[inline(always)]
-    fn quarters(self, numbers: [f32; 4]) -> Self::V {
-        each!(self, splat, numbers)
-    }
-
-    #[inline(always)]
-    fn gather(self, table: &Lanes, index: Self::V) -> Self::V {
-        index.map(|index| self.0.gather(table, index))
-    }
-
-    #[inline(always)]
-    fn gather_list(self, list: &[f32], index: Self::V) -> Self::V {
-        index.map(|index| self.0.gather_list(list, index))
-    }
-
     operations!(each);
 }
 
@@ -183,44 +170,16 @@ impl<R: Register> Elementwise for Quarter<R> {
         f()
     }
 
-    #[inline(always)]
-    fn splat(self, x: f32) -> Self::V {
-        self.register.splat(x)
-    }
-
-    #[inline(always)]
-    fn load(self, lanes: &Lanes) -> Self::V {
-        self.register.load(&lanes.as_chunks().0[self.k % FOUR])
-    }
-
-    #[inline(always)]
-    fn store(self, v: Self::V, lanes: &mut Lanes) {
-        self.register.store(v, &mut lanes.as_chunks_mut().0[self.k % FOUR]);
-    }
-
-    #[inline(always)]
-    fn less(self, a: Self::V, b: Self::V) -> u32 {
-        self.register.less(a, b) << (FOUR * self.k)
-    }
-
-    #[inline(always)]
-    fn every(self) -> u32 {
-        ((1 << FOUR) - 1) << (FOUR * self.k)
-    }
-
-    #[inline(always)]
-    fn quarters(self, numbers: [f32; 4]) -> Self::V {
-        self.register.splat(numbers[self.k % FOUR])
-    }
-
-    #[inline(always)]
-    fn gather(self, table: &Lanes, index: Self::V) -> Self::V {
-        self.register.gather(table, index)
-    }
-
-    #[inline(always)]
-    fn gather_list(self, list: &[f32], index: Self::V) -> Self::V {
-        self.register.gather_list(list, index)
+    inlined! {
+        splat(self, x: f32) -> Self::V = self.register.splat(x);
+        load(self, lanes: &Lanes) -> Self::V = self.register.load(&lanes.as_chunks().0[self.k % FOUR]);
+        store(self, v: Self::V, lanes: &mut Lanes) -> () =
+            self.register.store(v, &mut lanes.as_chunks_mut().0[self.k % FOUR]);
+        less(self, a: Self::V, b: Self::V) -> u32 = self.register.less(a, b) << (FOUR * self.k);
+        every(self) -> u32 = ((1 << FOUR) - 1) << (FOUR * self.k);
+        quarters(self, numbers: [f32; 4]) -> Self::V = self.register.splat(numbers[self.k % FOUR]);
+        gather(self, table: &Lanes, index: Self::V) -> Self::V = self.register.gather(table, index);
+        gather_list(self, list: &[f32], index: Self::V) -> Self::V = self.register.gather_list(list, index);
     }
 
     operations!(quarter);

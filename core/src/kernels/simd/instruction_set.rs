@@ -1,12 +1,5 @@
 //! The instruction set: chosen at run time and passed on as a value.
 
-#[cfg(feature = "std")]
-use alloc::{format, string::String, vec::Vec};
-use core::fmt;
-
-#[cfg(feature = "std")]
-use crate::error::Error;
-use crate::error::same_name;
 #[cfg(target_arch = "x86_64")]
 use crate::kernels::simd::avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
@@ -23,6 +16,7 @@ use crate::kernels::simd::scalar::Numbers as Plain;
 use crate::kernels::simd::simd128::Vectors as Plain;
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 use crate::kernels::simd::sse2::Vectors as Plain;
+use crate::prelude::*;
 
 /// The instruction set that the kernels use. A value exists only for a set that this machine has.
 ///
@@ -92,7 +86,7 @@ impl InstructionSet {
     /// # Errors
     /// A name that this machine does not have.
     #[cfg(feature = "std")]
-    pub fn requested() -> Result<Self, Error> {
+    pub fn requested() -> Result<Self> {
         static NAME: std::sync::OnceLock<Option<String>> = std::sync::OnceLock::new();
         let name = NAME.get_or_init(|| std::env::var("MIDAIR_SIMD").ok().filter(|name| !name.is_empty()));
         let Some(name) = name else { return Ok(Self::best()) };

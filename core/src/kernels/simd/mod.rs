@@ -6,6 +6,17 @@
 //! Sums over the lanes follow one fixed tree. So the results of instruction sets differ only by fused multiply-adds and
 //! by the estimate of an inverse root.
 
+/// Defines methods that are one expression, each inlined: name, arguments, result and value.
+macro_rules! inlined {
+    ($( $(#[$about:meta])* $name:ident($this:ident $(, $argument:ident: $kind:ty)*) -> $result:ty = $body:expr; )*) => {$(
+        $(#[$about])*
+        #[inline(always)]
+        fn $name($this $(, $argument: $kind)*) -> $result {
+            $body
+        }
+    )*};
+}
+
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "it names instructions: a token proves that the CPU has them")]
 pub(crate) mod avx2;
@@ -29,8 +40,6 @@ pub(crate) mod simd128;
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 #[allow(unsafe_code, reason = "it names instructions: the program is compiled for CPUs that have them")]
 pub(crate) mod sse2;
-
-pub(crate) use instruction_set::{InstructionSet, dispatch};
 
 use crate::kernels::lanes::{LANES, Lanes};
 

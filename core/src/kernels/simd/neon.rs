@@ -27,23 +27,17 @@ macro_rules! operations {
 impl Register for Vectors {
     type V = float32x4_t;
 
-    #[inline(always)]
-    #[allow(unused_unsafe, reason = "safe where NEON is part of the target")]
-    fn splat(self, x: f32) -> float32x4_t {
+    inlined! {
         // SAFETY: every aarch64 CPU has NEON.
-        unsafe { vdupq_n_f32(x) }
-    }
-
-    #[inline(always)]
-    fn load(self, four: &[f32; FOUR]) -> float32x4_t {
+        #[allow(unused_unsafe, reason = "safe where NEON is part of the target")]
+        splat(self, x: f32) -> float32x4_t = unsafe { vdupq_n_f32(x) };
         // SAFETY: four numbers fill a register.
-        unsafe { vld1q_f32(four.as_ptr()) }
-    }
-
-    #[inline(always)]
-    fn store(self, v: float32x4_t, four: &mut [f32; FOUR]) {
+        load(self, four: &[f32; FOUR]) -> float32x4_t = unsafe { vld1q_f32(four.as_ptr()) };
         // SAFETY: four numbers fill a register.
-        unsafe { vst1q_f32(four.as_mut_ptr(), v) }
+        store(self, v: float32x4_t, four: &mut [f32; FOUR]) -> () = unsafe { vst1q_f32(four.as_mut_ptr(), v) };
+        // SAFETY: every aarch64 CPU has NEON, and four numbers fill a register.
+        less(self, a: float32x4_t, b: float32x4_t) -> u32 =
+            unsafe { vaddvq_u32(vandq_u32(vcltq_f32(a, b), vld1q_u32([1, 2, 4, 8].as_ptr()))) };
     }
 
     operations! {
@@ -70,11 +64,5 @@ impl Register for Vectors {
         swap_neighbours(a) = vrev64q_f32(a);
         pick_pairs(low, high) = vcombine_f32(vget_low_f32(low), vget_high_f32(high));
         pick_neighbours(low, high) = vtrn1q_f32(low, vrev64q_f32(high));
-    }
-
-    #[inline(always)]
-    fn less(self, a: float32x4_t, b: float32x4_t) -> u32 {
-        // SAFETY: every aarch64 CPU has NEON, and four numbers fill a register.
-        unsafe { vaddvq_u32(vandq_u32(vcltq_f32(a, b), vld1q_u32([1, 2, 4, 8].as_ptr()))) }
     }
 }

@@ -29,19 +29,14 @@ macro_rules! operations {
 impl Register for Numbers {
     type V = Four;
 
-    #[inline(always)]
-    fn splat(self, x: f32) -> Four {
-        [x; FOUR]
-    }
-
-    #[inline(always)]
-    fn load(self, four: &Four) -> Four {
-        *four
-    }
-
-    #[inline(always)]
-    fn store(self, v: Four, four: &mut Four) {
-        *four = v;
+    inlined! {
+        splat(self, x: f32) -> Four = [x; FOUR];
+        load(self, four: &Four) -> Four = *four;
+        store(self, v: Four, four: &mut Four) -> () = *four = v;
+        swap_pairs(self, a: Four) -> Four = [a[2], a[3], a[0], a[1]];
+        swap_neighbours(self, a: Four) -> Four = [a[1], a[0], a[3], a[2]];
+        pick_pairs(self, low: Four, high: Four) -> Four = [low[0], low[1], high[2], high[3]];
+        pick_neighbours(self, low: Four, high: Four) -> Four = [low[0], high[1], low[2], high[3]];
     }
 
     operations! {
@@ -67,26 +62,6 @@ impl Register for Numbers {
     fn less(self, a: Four, b: Four) -> u32 {
         let bit = |l: usize| u32::from(a[l] < b[l]) << l;
         bit(0) | bit(1) | bit(2) | bit(3)
-    }
-
-    #[inline(always)]
-    fn swap_pairs(self, a: Four) -> Four {
-        [a[2], a[3], a[0], a[1]]
-    }
-
-    #[inline(always)]
-    fn swap_neighbours(self, a: Four) -> Four {
-        [a[1], a[0], a[3], a[2]]
-    }
-
-    #[inline(always)]
-    fn pick_pairs(self, low: Four, high: Four) -> Four {
-        [low[0], low[1], high[2], high[3]]
-    }
-
-    #[inline(always)]
-    fn pick_neighbours(self, low: Four, high: Four) -> Four {
-        [low[0], high[1], low[2], high[3]]
     }
 }
 

@@ -24,21 +24,13 @@ macro_rules! operations {
 impl Register for Vectors {
     type V = v128;
 
-    #[inline(always)]
-    fn splat(self, x: f32) -> v128 {
-        f32x4_splat(x)
-    }
-
-    #[inline(always)]
-    fn load(self, four: &[f32; FOUR]) -> v128 {
+    inlined! {
+        splat(self, x: f32) -> v128 = f32x4_splat(x);
         // SAFETY: four numbers fill a register, and loads need no alignment.
-        unsafe { v128_load(four.as_ptr().cast()) }
-    }
-
-    #[inline(always)]
-    fn store(self, v: v128, four: &mut [f32; FOUR]) {
+        load(self, four: &[f32; FOUR]) -> v128 = unsafe { v128_load(four.as_ptr().cast()) };
         // SAFETY: four numbers fill a register, and stores need no alignment.
-        unsafe { v128_store(four.as_mut_ptr().cast(), v) }
+        store(self, v: v128, four: &mut [f32; FOUR]) -> () = unsafe { v128_store(four.as_mut_ptr().cast(), v) };
+        less(self, a: v128, b: v128) -> u32 = u32::from(i32x4_bitmask(f32x4_lt(a, b)));
     }
 
     operations! {
@@ -67,10 +59,5 @@ impl Register for Vectors {
         swap_neighbours(a) = i32x4_shuffle::<1, 0, 3, 2>(a, a);
         pick_pairs(low, high) = i32x4_shuffle::<0, 1, 6, 7>(low, high);
         pick_neighbours(low, high) = i32x4_shuffle::<0, 5, 2, 7>(low, high);
-    }
-
-    #[inline(always)]
-    fn less(self, a: v128, b: v128) -> u32 {
-        u32::from(i32x4_bitmask(f32x4_lt(a, b)))
     }
 }

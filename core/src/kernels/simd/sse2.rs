@@ -26,22 +26,15 @@ macro_rules! operations {
 impl Register for Vectors {
     type V = __m128;
 
-    #[inline(always)]
-    fn splat(self, x: f32) -> __m128 {
+    inlined! {
         // SAFETY: the program is compiled for SSE2.
-        unsafe { _mm_set1_ps(x) }
-    }
-
-    #[inline(always)]
-    fn load(self, four: &[f32; FOUR]) -> __m128 {
+        splat(self, x: f32) -> __m128 = unsafe { _mm_set1_ps(x) };
         // SAFETY: the program is compiled for SSE2; four numbers fill a register, and loads need no alignment.
-        unsafe { _mm_loadu_ps(four.as_ptr()) }
-    }
-
-    #[inline(always)]
-    fn store(self, v: __m128, four: &mut [f32; FOUR]) {
+        load(self, four: &[f32; FOUR]) -> __m128 = unsafe { _mm_loadu_ps(four.as_ptr()) };
         // SAFETY: the program is compiled for SSE2; four numbers fill a register, and stores need no alignment.
-        unsafe { _mm_storeu_ps(four.as_mut_ptr(), v) }
+        store(self, v: __m128, four: &mut [f32; FOUR]) -> () = unsafe { _mm_storeu_ps(four.as_mut_ptr(), v) };
+        // SAFETY: the program is compiled for SSE2.
+        less(self, a: __m128, b: __m128) -> u32 = unsafe { _mm_movemask_ps(_mm_cmplt_ps(a, b)) as u32 };
     }
 
     operations! {
@@ -77,11 +70,5 @@ impl Register for Vectors {
             let v = _mm_shuffle_ps::<0b11_01_10_00>(low, high);
             _mm_shuffle_ps::<0b11_01_10_00>(v, v)
         };
-    }
-
-    #[inline(always)]
-    fn less(self, a: __m128, b: __m128) -> u32 {
-        // SAFETY: the program is compiled for SSE2.
-        unsafe { _mm_movemask_ps(_mm_cmplt_ps(a, b)) as u32 }
     }
 }

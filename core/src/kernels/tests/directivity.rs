@@ -3,7 +3,7 @@
 use core::array::from_fn;
 
 use crate::kernels::lanes::{LANES, Lanes};
-use crate::kernels::propagate::form::{Form, Radiation, formed};
+use crate::kernels::propagate::source::{Form, Radiation, formed};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tests::{ROUNDING, STRIDE, WAVENUMBER, wide};
 use crate::scene::Directivity;

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use num_complex::{Complex32, Complex64};
 
 use crate::kernels::greedy::candidates::Candidates;
-use crate::kernels::greedy::objective::{L1, L2};
+use crate::kernels::greedy::candidates::{L1, L2};
 use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::greedy::{Pass, Search, floats, indices, pass};
 use crate::kernels::lanes::LANES;

@@ -2,9 +2,9 @@
 
 use alloc::vec;
 
+use crate::kernels::greedy::candidates::L2;
 use crate::kernels::greedy::interleaved_pass::{fits, floats, pass};
 use crate::kernels::greedy::large_grid;
-use crate::kernels::greedy::objective::L2;
 use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::greedy::{Pass, Search, indices};
 use crate::kernels::lanes::LANES;

@@ -3,8 +3,8 @@
 use alloc::vec;
 
 use crate::kernels::greedy::candidates::Candidates;
+use crate::kernels::greedy::candidates::L2;
 use crate::kernels::greedy::large_grid;
-use crate::kernels::greedy::objective::L2;
 use crate::kernels::lanes::{LANES, padded};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tests::energies::{grid, scene, with_energies};

@@ -33,10 +33,10 @@ use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::kernels::lanes::{LANES, padded};
-use crate::kernels::propagate::form::Radiation;
 use crate::kernels::propagate::moduli::{Run, add_moduli};
 use crate::kernels::propagate::row::{ControlPoints, Row};
 use crate::kernels::propagate::rows::Rows;
+use crate::kernels::propagate::source::Radiation;
 use crate::kernels::propagate::source::{Source, SourceList};
 use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tiles::{height, lanes, pack, size};

@@ -6,8 +6,8 @@ use core::f64::consts::TAU;
 
 use num_complex::Complex64;
 
+use crate::kernels::greedy::candidates::L2;
 use crate::kernels::greedy::moments::Moments;
-use crate::kernels::greedy::objective::L2;
 use crate::kernels::lanes::{LANES, padded};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tests::energies::{grid, scene, with_energies};

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
 use crate::kernels::greedy::candidates::Candidates;
-use crate::kernels::greedy::objective::{L1, L2, Term};
+use crate::kernels::greedy::candidates::{L1, L2, Term};
 use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::greedy::search;
 use crate::kernels::greedy::search::Points;

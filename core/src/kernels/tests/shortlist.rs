@@ -2,9 +2,9 @@
 
 use alloc::vec;
 
+use crate::kernels::greedy::candidates::L2;
 use crate::kernels::greedy::energies::Energies;
 use crate::kernels::greedy::moments::Moments;
-use crate::kernels::greedy::objective::L2;
 use crate::kernels::greedy::shortlist;
 use crate::kernels::lanes::{LANES, padded};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};

@@ -23,11 +23,8 @@
 //! 3. sum d^2, which is minus the slope along d, needs no field: it is summed while the field of d is computed.
 
 use crate::kernels::grid::{Few, Phases};
-use crate::kernels::lanes::{BLOCK, LANES, Lanes, groups_mut};
-use crate::kernels::simd::{InstructionSet, Simd, TINY, dispatch};
+use crate::kernels::prelude::*;
 use crate::kernels::tiles::{Tiles, add_wave};
-use crate::math::sqrtf;
-use crate::prelude::*;
 
 /// The rule by which a drive gets the code (index) of a phase.
 #[derive(Clone, Copy)]
@@ -223,7 +220,7 @@ pub(crate) fn diffuse(
     field: [&[f32]; 2],
     codes: &mut [f32],
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     dispatch!(set, s => {
         let Task { tiles, choice, weights, targeted, memory } = task;
         let mut points = Points::new(s, weights, targeted, field, memory);

@@ -8,13 +8,10 @@ pub(crate) mod phases;
 pub(crate) mod products;
 pub(crate) mod unit;
 
-use core::ops::Range;
-
-use crate::kernels::lanes::{BLOCK, Block, LANES, Lanes, groups, groups_mut};
+use crate::kernels::lanes::Block;
+use crate::kernels::prelude::*;
 use crate::kernels::propagate::rows::Rows;
-use crate::kernels::simd::{InstructionSet, Simd, dispatch};
 use crate::kernels::vector::add_wave;
-use crate::prelude::*;
 
 /// Returns the length of a vector over the transducers: whole pairs of tiles.
 pub(crate) const fn lanes(transducers: usize) -> usize {
@@ -114,7 +111,7 @@ pub(crate) fn pack(
     order: &[u32],
     out: [&mut [f32]; 2],
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     dispatch!(set, s => {
         let lanes = lanes(members.len());
         let [re, im] = out.map(blocks_mut);
@@ -253,7 +250,7 @@ pub(crate) fn slopes(
     points: impl Iterator<Item = usize>,
     out: &mut [f32],
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     dispatch!(set, s => {
         let [qr, qi] = drive.map(groups);
         let out = blocks_mut(out);

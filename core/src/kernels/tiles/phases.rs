@@ -1,12 +1,8 @@
 //! Alignment of point phases: one after another is set so that the energy v^H G G^H v grows, from G or from G G^H.
 
-use crate::kernels::lanes::BLOCK;
-use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::phasor::wave;
-use crate::kernels::simd::{InstructionSet, TINY, dispatch};
+use crate::kernels::prelude::*;
 use crate::kernels::tiles::Tiles;
-use crate::math::sqrtf;
-use crate::prelude::*;
 
 /// Below this part of a point's own contribution, the contribution of the other points is only rounding.
 const SILENT: f32 = 1e-5;
@@ -31,7 +27,7 @@ pub(crate) fn align_rows(
     vector: [&mut [f32]; 2],
     wave: [&mut [f32]; 2],
     control: &mut Control,
-) -> Result<f32, Error> {
+) -> Result<f32> {
     dispatch!(set, s => {
         let [re, im] = vector;
         let [wave_re, wave_im] = wave.map(groups_mut);
@@ -98,7 +94,7 @@ pub(crate) fn align(
     rounds: usize,
     vectors: [&mut [f32]; 2],
     control: &mut Control,
-) -> Result<Lanes, Error> {
+) -> Result<Lanes> {
     dispatch!(set, s => {
         let [re, im] = vectors.map(groups_mut);
         let size = shares.len();

@@ -3,14 +3,9 @@
 //! Four rows are multiplied by four (complex: two by four), over a run of tiles that fits the nearest cache. Their 16
 //! sums stay in registers.
 
-use core::ops::Range;
-
-use crate::kernels::lanes::BLOCK;
-use crate::kernels::lanes::{LANES, Lanes, groups_mut, padded};
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::prelude::*;
 use crate::kernels::tiles::{Tiles, blocks, stride};
 use crate::kernels::vector::root;
-use crate::prelude::*;
 
 /// Number of tiles in a run, over which rows are multiplied before the next rows follow. In a run, eight planes take 16
 /// KB.
@@ -28,7 +23,7 @@ pub(crate) fn products(
     size: usize,
     matrix: &mut [f32],
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     dispatch!(set, s => {
         let wide = padded(size);
         matrix.fill(0.0);
@@ -78,7 +73,7 @@ pub(crate) fn couplings(
     size: usize,
     matrix: [&mut [f32]; 2],
     control: &mut Control,
-) -> Result<(), Error> {
+) -> Result<()> {
     /// Number of complex rows that are multiplied by four other rows at once.
     const PAIR: usize = 2;
     dispatch!(set, s => {

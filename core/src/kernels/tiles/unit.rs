@@ -1,9 +1,7 @@
 //! Drives of modulus 1: sweeps back from the points, and rotations; both also within an arc of phases around 1.
 
-use crate::kernels::lanes::{BLOCK, LANES, groups, groups_mut};
-use crate::kernels::simd::{InstructionSet, Simd, TINY, dispatch};
+use crate::kernels::prelude::*;
 use crate::kernels::tiles::{Tiles, Wave, add_wave, blocks_mut, correlated, hear, sound};
-use crate::prelude::*;
 
 /// Returns z/|z|; 0 where |z|^2 is below [`TINY`].
 #[inline(always)]

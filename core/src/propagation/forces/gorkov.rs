@@ -1,16 +1,14 @@
 //! Force of sound on a sphere in the field of a drive, its potential and stiffness, by exact derivatives.
 
-use crate::control::bytes;
 use crate::prelude::*;
 use crate::propagation::forces::momentum::Pushed;
 use crate::propagation::forces::particle::LARGEST;
 use crate::propagation::forces::response::Response;
 use crate::propagation::jet::Jet;
 use crate::propagation::local::{LEAST_CLEARANCE, Local};
-use crate::propagation::model::Model;
 use crate::propagation::scattering::bodies::Bodies;
-use crate::propagation::sources::Sources;
 use crate::propagation::taylor::Taylor;
+use crate::propagation::{Model, Sources};
 use crate::scene::{Particle, check_drive, check_places, distance};
 
 /// How many points a thread computes together.
@@ -68,7 +66,7 @@ pub fn gorkov(
     points: &[[f64; 3]],
     particle: Particle,
     control: &mut Control,
-) -> Result<Gorkov, Error> {
+) -> Result<Gorkov> {
     let trap = Trap::new(model, drive, points, particle)?;
     let large = trap.large(points, particle)?;
     control.room("the potential", [drive.len(), points.len()], bytes(2 * size_of::<Push>(), &[points.len()]))?;
@@ -114,12 +112,7 @@ impl<'a> Trap<'a> {
     ///
     /// # Errors
     /// The errors of [`gorkov`].
-    pub(crate) fn new(
-        model: &'a Model,
-        drive: &[Complex32],
-        points: &[[f64; 3]],
-        particle: Particle,
-    ) -> Result<Self, Error> {
+    pub(crate) fn new(model: &'a Model, drive: &[Complex32], points: &[[f64; 3]], particle: Particle) -> Result<Self> {
         let (array, medium) = (model.array(), model.medium());
         check_drive(drive, array.len())?;
         if points.is_empty() {
@@ -144,7 +137,7 @@ impl<'a> Trap<'a> {
 
     /// Returns the wave series of a large particle, `None` for a small one. Checks that the sphere touches nothing at any
     /// point.
-    fn large(&self, points: &[[f64; 3]], Particle { radius, .. }: Particle) -> Result<Option<Pushed>, Error> {
+    fn large(&self, points: &[[f64; 3]], Particle { radius, .. }: Particle) -> Result<Option<Pushed>> {
         let (medium, array) = (self.model.medium(), self.model.array());
         let wavelength = medium.wavelength();
         if radius <= LARGEST * wavelength {
@@ -167,7 +160,7 @@ impl<'a> Trap<'a> {
     }
 
     /// Force and stiffness of a large sphere, which has no potential.
-    fn on_sphere(&self, sphere: &Pushed, j: usize, point: [f64; 3], control: &mut Control) -> Result<Push, Error> {
+    fn on_sphere(&self, sphere: &Pushed, j: usize, point: [f64; 3], control: &mut Control) -> Result<Push> {
         let mut force =
             |center: [f64; 3]| sphere.force(center, |place| self.pressure(j, place, &mut Control::none()), control);
         let step = STEP * self.model.medium().wavelength();
@@ -189,7 +182,7 @@ impl<'a> Trap<'a> {
     }
 
     /// Potential, force and second derivatives at `point`, which errors name as point `j`.
-    pub(crate) fn push(&self, j: usize, point: [f64; 3], control: &mut Control) -> Result<Push, Error> {
+    pub(crate) fn push(&self, j: usize, point: [f64; 3], control: &mut Control) -> Result<Push> {
         let pressure = self.pressure(j, point, control)?;
         let field = pressure.each_ref().map(Jet::coefficients);
         let value = self.response.potential.value(field);
@@ -203,7 +196,7 @@ impl<'a> Trap<'a> {
     }
 
     /// The Taylor polynomials of the pressure around `point`, real and imaginary part. Errors name it as point `j`.
-    fn pressure(&self, j: usize, point: [f64; 3], control: &mut Control) -> Result<[Jet; 2], Error> {
+    fn pressure(&self, j: usize, point: [f64; 3], control: &mut Control) -> Result<[Jet; 2]> {
         let mut pressure = [Jet::ZERO; 2];
         for (sources, taylor) in &self.waves {
             (0..sources.array.len()).try_for_each(|i| sources.check_distance(i, j, point))?;
@@ -219,7 +212,7 @@ impl<'a> Trap<'a> {
     }
 
     /// The ball around a point on which the sound of bodies is sampled for its derivatives.
-    fn local(&self, j: usize, point: [f64; 3]) -> Result<Local, Error> {
+    fn local(&self, j: usize, point: [f64; 3]) -> Result<Local> {
         let medium = self.model.medium();
         let clear = self.model.scattering.as_ref().map_or(f64::INFINITY, |all| all.obstacles.clearance(point));
         Local::beside(medium, clear).ok_or_else(|| {

@@ -8,10 +8,6 @@
 //! coefficients around the point; `kernels::contraction` does the same from their cotangents. The gradient of an image in a
 //! wall is that of the mirrored transducer, mirrored back.
 
-use core::ops::Range;
-
-use crate::control::bytes;
-use crate::error::one_each;
 use crate::kernels::InstructionSet;
 use crate::kernels::backward::{Pull, Senders, Sent, back, forth};
 use crate::kernels::contraction::contract;
@@ -20,10 +16,9 @@ use crate::prelude::*;
 use crate::propagation::forces::quantity::{Quantity, weights};
 use crate::propagation::forces::response::Response;
 use crate::propagation::jet::Jet;
-use crate::propagation::model::Model;
 use crate::propagation::scattering::reflection::reflections;
-use crate::propagation::sources::Sources;
 use crate::propagation::taylor::Taylor;
+use crate::propagation::{Model, Sources};
 use crate::scene::{Medium, Obstacle, check_places};
 
 /// How many points share one sum of gradients by transducers. These sums are added in the order of the points, so that the
@@ -90,7 +85,7 @@ pub fn gradient(
     quantity: Quantity,
     cotangent: &[f64],
     control: &mut Control,
-) -> Result<Gradient, Error> {
+) -> Result<Gradient> {
     let width = points.len() * quantity.width();
     one_each("cotangent", cotangent.len(), "numbers", width, "numbers of the value")?;
     if let Some(k) = cotangent.iter().position(|x| !x.is_finite()) {
@@ -110,7 +105,7 @@ impl Quantity {
         drive: &[Complex64],
         points: &[[f64; 3]],
         control: &mut Control,
-    ) -> Result<Vec<f64>, Error> {
+    ) -> Result<Vec<f64>> {
         Ok(Pass::new(model, drive, points, self)?.run(points, None, control)?.value)
     }
 }
@@ -163,7 +158,7 @@ struct Part {
 }
 
 impl<'a> Pass<'a> {
-    fn new(model: &'a Model, drive: &[Complex64], points: &[[f64; 3]], quantity: Quantity) -> Result<Self, Error> {
+    fn new(model: &'a Model, drive: &[Complex64], points: &[[f64; 3]], quantity: Quantity) -> Result<Self> {
         let (array, medium) = (model.array(), model.medium());
         one_each("drive", drive.len(), "values", array.len(), "transducers")?;
         if let Some(i) = drive.iter().position(|q| !q.re.is_finite() || !q.im.is_finite()) {
@@ -205,7 +200,7 @@ impl<'a> Pass<'a> {
 
     /// Returns the values and, with a cotangent, the gradients. Blocks of points are computed in parallel and added in their
     /// order.
-    fn run(&self, points: &[[f64; 3]], cotangent: Option<&[f64]>, control: &mut Control) -> Result<Gradient, Error> {
+    fn run(&self, points: &[[f64; 3]], cotangent: Option<&[f64]>, control: &mut Control) -> Result<Gradient> {
         let (width, count) = (self.quantity.width(), self.all[0].sources.array.len());
         let blocks: usize = self.all.iter().map(|seen| seen.drives.len()).sum();
         let waiting = WAITING * control.threads();
@@ -265,7 +260,7 @@ impl<'a> Pass<'a> {
         points: &[[f64; 3]],
         cotangent: Option<&[f64]>,
         control: &mut Control,
-    ) -> Result<Part, Error> {
+    ) -> Result<Part> {
         let width = self.quantity.width();
         let mut part = Part::none(self);
         part.value.resize(width * points.len(), 0.0);
@@ -296,7 +291,7 @@ impl<'a> Pass<'a> {
         sent: &mut [Vec<Sent>],
         part: &mut Part,
         control: &mut Control,
-    ) -> Result<[f64; 3], Error> {
+    ) -> Result<[f64; 3]> {
         let least = self.medium.wavelength() / 100.0;
         let mut p = Complex64::ZERO;
         for (seen, sent) in self.all.iter().zip(&mut *sent) {
@@ -327,7 +322,7 @@ impl<'a> Pass<'a> {
         responses: &[Response; 2],
         part: &mut Part,
         control: &mut Control,
-    ) -> Result<[f64; 3], Error> {
+    ) -> Result<[f64; 3]> {
         let pressure = self.expanded(index, point, control)?;
         self.quantity.write_of_particle(&pressure, &responses[0], &mut part.value[values]);
         let Some(cotangent) = cotangent else { return Ok([0.0; 3]) };
@@ -353,7 +348,7 @@ impl<'a> Pass<'a> {
     }
 
     /// The Taylor polynomials of the pressure around a point, real and imaginary part.
-    fn expanded(&self, index: usize, point: [f64; 3], control: &mut Control) -> Result<[Jet; 2], Error> {
+    fn expanded(&self, index: usize, point: [f64; 3], control: &mut Control) -> Result<[Jet; 2]> {
         let mut pressure = [Jet::ZERO; 2];
         for seen in &self.all {
             (0..seen.sources.array.len()).try_for_each(|i| seen.sources.check_distance(i, index, point))?;
@@ -372,7 +367,7 @@ impl<'a> Pass<'a> {
         cotangent: &[f64],
         part: &mut Part,
         control: &mut Control,
-    ) -> Result<[f64; 3], Error> {
+    ) -> Result<[f64; 3]> {
         let (pulled, by_speed) = quantity.back_of_particle(responses, pressure, cotangent);
         part.by_speed += by_speed;
         let weights = weights(&pulled);

@@ -45,9 +45,9 @@ impl Pushed {
     pub(crate) fn force(
         &self,
         center: [f64; 3],
-        pressure: impl Fn([f64; 3]) -> Result<[Jet; 2], Error>,
+        pressure: impl Fn([f64; 3]) -> Result<[Jet; 2]>,
         control: &mut Control,
-    ) -> Result<[f64; 3], Error> {
+    ) -> Result<[f64; 3]> {
         let met = |way: [f64; 3]| {
             let [re, im] = pressure((Vec3(center) + self.radius * Vec3(way)).0)?;
             let slope = Complex64::new(dot(re.gradient(), way), dot(im.gradient(), way));

@@ -4,8 +4,7 @@ use crate::kernels::contraction::Weights;
 use crate::prelude::*;
 use crate::propagation::forces::response::{Form, Response};
 use crate::propagation::jet::{EXPONENTS, Jet, TERMS, place};
-use crate::scene::Medium;
-use crate::scene::Particle;
+use crate::scene::{Medium, Particle};
 
 /// A quantity of the field at each point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +36,7 @@ impl Quantity {
     ///
     /// # Errors
     /// An unknown name.
-    pub fn named(name: &str, particle: Particle) -> Result<Self, Error> {
+    pub fn named(name: &str, particle: Particle) -> Result<Self> {
         let all = [
             ("pressure", Self::Pressure),
             ("amplitude", Self::Amplitude),

@@ -12,7 +12,6 @@
 //!
 //! Foci beside the traps have rows of C, too. Only the first coefficient of a focus, its pressure, is used.
 
-use crate::control::bytes;
 use crate::device::channels::Channels;
 use crate::kernels::{InstructionSet, padded};
 use crate::linalg::symmetric::eigen;
@@ -61,7 +60,7 @@ impl Stiffness {
         places: &[[f64; 3]],
         chosen: [Vec<usize>; 2],
         control: &mut Control,
-    ) -> Result<Option<Self>, Error> {
+    ) -> Result<Option<Self>> {
         let points: Vec<[f64; 3]> = chosen.iter().flatten().map(|&j| places[j]).collect();
         // The best instruction set can be used, because all sets give the same bits.
         let (set, transducers) = (InstructionSet::best(), sources.array.len());

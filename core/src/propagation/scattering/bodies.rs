@@ -4,15 +4,12 @@
 //! (K, N) contains the response of each wave or element to each of N transducers. S is computed once. If a point
 //! moves, only its own row of H is computed again.
 
-use core::fmt;
-
 use crate::kernels::{InstructionSet, padded, panels};
 use crate::prelude::*;
 use crate::propagation::jet::TERMS;
 use crate::propagation::local::Local;
-use crate::propagation::scattering::boundary::Boundary;
 use crate::propagation::scattering::sphere::Sphere;
-use crate::propagation::sources::Sources;
+use crate::propagation::{Boundary, Sources};
 
 /// The waves of bodies. This is a trait, so that a program without bodies is not linked with their code.
 trait Basis: fmt::Debug + Send + Sync {
@@ -42,7 +39,7 @@ pub(crate) struct Bodies {
 }
 
 impl Bodies {
-    pub(crate) fn of_sphere(sphere: Sphere, sources: &Sources, control: &mut Control) -> Result<Self, Error> {
+    pub(crate) fn of_sphere(sphere: Sphere, sources: &Sources, control: &mut Control) -> Result<Self> {
         let answers = sphere.answers(sources, control)?;
         let answers = answers.iter().map(|answer| Complex32::new(answer.re as f32, answer.im as f32));
         Ok(Self::of(Arc::new(sphere), answers, sources.array.len()))
@@ -93,7 +90,7 @@ impl Bodies {
         local: &Local,
         point: [f64; 3],
         control: &mut Control,
-    ) -> Result<Vec<[Complex64; TERMS]>, Error> {
+    ) -> Result<Vec<[Complex64; TERMS]>> {
         let (mut row, mut received) = (Vec::new(), vec![[Complex64::ZERO; TERMS]; self.len()]);
         for (place, terms) in local.around(point) {
             self.basis.row(place, &mut row);

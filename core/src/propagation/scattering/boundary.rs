@@ -15,7 +15,6 @@
 //! one integral over the angle. A six-point rule computes all other integrals; near elements are first cut into
 //! quarters.
 
-use crate::control::bytes;
 use crate::kernels::InstructionSet;
 use crate::kernels::panels::{self, Panels};
 use crate::kernels::simd::doubles::EIGHT;
@@ -68,7 +67,7 @@ impl Boundary {
     ///
     /// # Errors
     /// The errors of [`crate::Scene::with_obstacles`]; obstacles without a mesh.
-    pub fn new(array: &Array, medium: Medium, obstacles: Vec<Obstacle>) -> Result<Self, Error> {
+    pub fn new(array: &Array, medium: Medium, obstacles: Vec<Obstacle>) -> Result<Self> {
         check_array(array, medium)?;
         let obstacles = Obstacles::new(obstacles, array, medium)?;
         let size = element_size(medium);
@@ -85,20 +84,6 @@ impl Boundary {
         let arrays = reflections.iter().map(|reflection| reflection.array(&bare));
         let sources = core::iter::once(bare.clone()).chain(arrays).map(|array| Sources::new(&array, medium)).collect();
         Ok(Self { obstacles, sources, elements, images, panels })
-    }
-
-    /// The number of elements E.
-    pub fn elements(&self) -> usize {
-        self.elements.len()
-    }
-
-    /// The number of transducers N.
-    pub fn transducers(&self) -> usize {
-        self.sources[0].array.len()
-    }
-
-    pub(crate) fn medium(&self) -> Medium {
-        self.sources[0].medium
     }
 
     /// The parameters that the sound on the boundary depends on, as bytes: the key for a cache of solutions.
@@ -122,7 +107,7 @@ impl Boundary {
     /// # Errors
     /// Bodies that coincide, cross or contain each other, or that are too thin for the size of the elements; more memory than
     /// allowed; a stop by the caller.
-    pub fn matrix(&self, control: &mut Control) -> Result<Vec<Complex32>, Error> {
+    pub fn matrix(&self, control: &mut Control) -> Result<Vec<Complex32>> {
         let count = self.elements.len();
         control.room("the boundary of the meshes", [self.transducers(), count], bytes(8, &[count, count]))?;
         self.enclosed(control)?;
@@ -137,9 +122,7 @@ impl Boundary {
                 self.fill(first + k, row);
                 control.pulse()
             })?;
-            if control.step(((step + 1) * threads).min(steps), steps, || 0.0).is_break() {
-                return Err(Error::stopped());
-            }
+            refuse_if!(control.step(((step + 1) * threads).min(steps), steps, || 0.0).is_break(), Error::stopped());
         }
         Ok(matrix)
     }
@@ -166,7 +149,7 @@ impl Boundary {
     ///
     /// # Errors
     /// More memory than allowed; a stop by the caller.
-    pub fn incident(&self, control: &mut Control) -> Result<Vec<Complex32>, Error> {
+    pub fn incident(&self, control: &mut Control) -> Result<Vec<Complex32>> {
         let (count, transducers) = (self.elements.len(), self.transducers());
         control.room("sound that meets the meshes", [transducers, count], bytes(8, &[count, transducers]))?;
         let mut incident = vec![Complex32::ZERO; count * transducers];
@@ -183,12 +166,6 @@ impl Boundary {
             control.pulse()
         })?;
         Ok(incident)
-    }
-
-    /// The factor j/k of the derivative in the equations. A factor with an imaginary part excludes the resonances; the modulus
-    /// 1/k gives the best condition number (A. J. Burton and G. F. Miller).
-    fn eta(&self) -> Complex64 {
-        Complex64::new(0.0, 1.0 / self.medium().wavenumber())
     }
 
     /// Writes the wave of each element at a point, for u = 1 on the element.
@@ -211,7 +188,7 @@ impl Boundary {
     }
 
     /// Checks that `sound` (E, N) has the size of this boundary and is finite.
-    pub(crate) fn check_sound(&self, sound: &[Complex32]) -> Result<(), Error> {
+    pub(crate) fn check_sound(&self, sound: &[Complex32]) -> Result<()> {
         let count = self.elements.len() * self.transducers();
         if sound.len() != count {
             let cure = format!("give {count}, one for each of {} elements and transducer", self.elements.len());
@@ -222,4 +199,20 @@ impl Boundary {
         }
         Ok(())
     }
+}
+
+getters! {
+    Boundary:
+
+    /// The number of elements E.
+    pub elements(self) -> usize = self.elements.len();
+
+    /// The number of transducers N.
+    pub transducers(self) -> usize = self.sources[0].array.len();
+
+    pub(crate) medium(self) -> Medium = self.sources[0].medium;
+
+    /// The factor j/k of the derivative in the equations. A factor with an imaginary part excludes the resonances; the modulus
+    /// 1/k gives the best condition number (A. J. Burton and G. F. Miller).
+    eta(self) -> Complex64 = Complex64::new(0.0, 1.0 / self.medium().wavenumber());
 }

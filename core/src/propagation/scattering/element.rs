@@ -1,7 +1,5 @@
 //! Element: a flat triangle of a surface, on which the sound is constant, and the wave that it sends.
 
-use core::f64::consts::PI;
-
 use crate::kernels::panels::{NODES, Panels};
 use crate::kernels::phasor::TAYLOR;
 use crate::kernels::simd::doubles::EIGHT;

@@ -20,7 +20,7 @@ const LOOKS: usize = 64;
 
 impl Boundary {
     /// Checks that bodies do not coincide, cross or contain each other, and that plates are thick enough for their elements.
-    pub(crate) fn enclosed(&self, control: &mut Control) -> Result<(), Error> {
+    pub(crate) fn enclosed(&self, control: &mut Control) -> Result<()> {
         let parts = self.elements.iter().collect();
         control.each(parts, &|element: &Element, control| {
             let place = (element.center() - DEPTH * element.reach() * element.normal).0;
@@ -47,7 +47,7 @@ impl Boundary {
     ///
     /// # Errors
     /// Sound of another boundary; a stop by the caller.
-    pub fn left_inside(&self, sound: &[Complex32], control: &mut Control) -> Result<f64, Error> {
+    pub fn left_inside(&self, sound: &[Complex32], control: &mut Control) -> Result<f64> {
         self.check_sound(sound)?;
         let triangles: Vec<Triangle> = self.obstacles.meshes().flat_map(Mesh::triangles).collect();
         let transducers = self.transducers();

@@ -29,7 +29,7 @@ impl Scattering {
     ///
     /// # Errors
     /// A stop by the caller.
-    pub(crate) fn new(sources: &Sources, obstacles: Obstacles, control: &mut Control) -> Result<Self, Error> {
+    pub(crate) fn new(sources: &Sources, obstacles: Obstacles, control: &mut Control) -> Result<Self> {
         let sphere = obstacles.list().iter().find_map(|obstacle| match obstacle {
             Obstacle::Sphere { center, radius, kind } => {
                 Some(Sphere::new(*center, *radius, *kind, sources.medium, sources.array.positions()))
@@ -48,7 +48,7 @@ impl Scattering {
     }
 
     /// Checks that the sound on all meshes is known.
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<()> {
         if self.bodies.is_some() || self.obstacles.meshes().next().is_none() {
             return Ok(());
         }

@@ -11,8 +11,6 @@
 //! (P. M. Morse and K. U. Ingard, Theoretical Acoustics, 1968, section 8.2). This works for any directivity; for a point source
 //! it is the classical series. The wavenumber k is complex: its imaginary part is the absorption of the air in Np/m.
 
-use core::f64::consts::{PI, TAU};
-
 use crate::prelude::*;
 use crate::propagation::sources::Sources;
 use crate::scene::{Medium, Surface, distance};
@@ -95,7 +93,7 @@ impl Sphere {
     ///
     /// # Errors
     /// A stop by the caller.
-    pub(crate) fn answers(&self, sources: &Sources, control: &mut Control) -> Result<Vec<Complex64>, Error> {
+    pub(crate) fn answers(&self, sources: &Sources, control: &mut Control) -> Result<Vec<Complex64>> {
         let transducers = sources.array.len();
         let rules = Rules::new(self);
         let mut each = vec![Vec::new(); transducers];
@@ -110,13 +108,7 @@ impl Sphere {
     }
 
     /// Returns the amplitudes (K,) in Pa of the scattered waves for one transducer.
-    fn answers_to(
-        &self,
-        sources: &Sources,
-        i: usize,
-        rules: &Rules,
-        control: &mut Control,
-    ) -> Result<Vec<Complex64>, Error> {
+    fn answers_to(&self, sources: &Sources, i: usize, rules: &Rules, control: &mut Control) -> Result<Vec<Complex64>> {
         let met = |direction: [f64; 3]| Ok([self.met(sources, i, direction)]);
         let [mut answers] = rules.waves(met, control)?;
         for n in 0..=self.order {
@@ -204,14 +196,14 @@ impl Rules {
     /// The errors of the functions, a stop by the caller.
     pub(crate) fn waves<const F: usize>(
         &self,
-        of: impl Fn([f64; 3]) -> Result<[Complex64; F], Error>,
+        of: impl Fn([f64; 3]) -> Result<[Complex64; F]>,
         control: &mut Control,
-    ) -> Result<[Vec<Complex64>; F], Error> {
+    ) -> Result<[Vec<Complex64>; F]> {
         let count = self.heights.len();
         let mut shares = [(); F].map(|()| vec![Complex64::ZERO; count * count]);
         for (h, legendre) in self.legendre.iter().enumerate() {
             control.pulse()?;
-            let met = (0..2 * count).map(|l| of(self.direction(h, l))).collect::<Result<Vec<_>, Error>>()?;
+            let met = (0..2 * count).map(|l| of(self.direction(h, l))).collect::<Result<Vec<_>>>()?;
             let share = self.weights[h] * TAU / (2 * count) as f64;
             for (f, shares) in shares.iter_mut().enumerate() {
                 for m in 0..count {

@@ -11,7 +11,7 @@ pub(crate) mod t4010a1;
 
 pub use law::{Directivity, Parameter};
 
-use crate::error::{find, real};
+use crate::error::find;
 use crate::kernels::waves::{SLOPES, Slopes};
 use crate::prelude::*;
 use crate::scene::directivity::bessel::{in_sine, normalised, series};
@@ -40,7 +40,7 @@ impl Directivity {
     ///
     /// # Errors
     /// An unknown name, a parameter for a law without one, a radius or width that is not above 0, an exponent below 0.
-    pub fn named(name: &str, parameter: Option<f64>) -> Result<Self, Error> {
+    pub fn named(name: &str, parameter: Option<f64>) -> Result<Self> {
         let law = *find("directivity", name, &LAWS, |law| law.name)?;
         match (law.parameter, parameter) {
             (None, None) => Ok(Self { law, parameter: 0.0 }),
@@ -51,26 +51,6 @@ impl Directivity {
         }
     }
 
-    /// The arguments of [`Directivity::named`] that give this directivity.
-    pub fn name(&self) -> (&'static str, Option<f64>) {
-        (self.law.name, self.law.parameter.map(|_| self.parameter))
-    }
-
-    /// The formula, in one line.
-    pub fn about(&self) -> &'static str {
-        self.law.about
-    }
-
-    /// The law's parameter, where it has one.
-    pub fn parameter(&self) -> Option<Parameter> {
-        self.law.parameter
-    }
-
-    /// The radius of a piston in m; `None` for other laws.
-    pub(crate) fn radius(&self) -> Option<f64> {
-        (self.law.name == piston::LAW.name).then_some(self.parameter)
-    }
-
     /// The length k a^2 / 2 of a piston's near field in m, for the wavenumber `k` in 1/m; 0 for other laws.
     ///
     /// Rayleigh's integral is 2 sin(k (sqrt(r^2 + a^2) - r) / 2) times a constant on the axis. At r = k a^2 / 2 it is 4 to 11 %
@@ -79,7 +59,7 @@ impl Directivity {
         self.radius().map_or(0.0, |a| k * a * a / 2.0)
     }
 
-    pub(crate) fn checked(self) -> Result<Self, Error> {
+    pub(crate) fn checked(self) -> Result<Self> {
         if let Some(Parameter { length, .. }) = self.law.parameter {
             let item = format!("directivity.{}", self.law.name);
             real(&item, self.parameter, 0.0, length)?;
@@ -91,7 +71,7 @@ impl Directivity {
     }
 
     /// Rejects a beam so narrow that angles in f32 cannot resolve it; `k` is the wavenumber in 1/m.
-    pub(crate) fn check_beam(&self, k: f64) -> Result<(), Error> {
+    pub(crate) fn check_beam(&self, k: f64) -> Result<()> {
         // Up to this sharpness the rounding of cos(theta) to f32, 6e-8, changes D by at most 2e-4.
         if (self.law.sharpness)(self.parameter, k) > 80.0 {
             let cure = "give metres, at most some 13 wavelengths (an exponent: at most 6400)";
@@ -160,6 +140,22 @@ impl Directivity {
     fn silent(&self, cos_theta: f64) -> bool {
         cos_theta < 0.0 && !matches!(self.law.shape, Shape::Omnidirectional)
     }
+}
+
+getters! {
+    Directivity:
+
+    /// The arguments of [`Directivity::named`] that give this directivity.
+    pub name(self) -> (&'static str, Option<f64>) = (self.law.name, self.law.parameter.map(|_| self.parameter));
+
+    /// The formula, in one line.
+    pub about(self) -> &'static str = self.law.about;
+
+    /// The law's parameter, where it has one.
+    pub parameter(self) -> Option<Parameter> = self.law.parameter;
+
+    /// The radius of a piston in m; `None` for other laws.
+    pub(crate) radius(self) -> Option<f64> = (self.law.name == piston::LAW.name).then_some(self.parameter);
 }
 
 #[cfg(test)]

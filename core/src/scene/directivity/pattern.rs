@@ -1,6 +1,5 @@
 //! Pattern: a directivity D(theta) as polynomials in f32. Chebyshev interpolation in f64 gives their coefficients.
 
-use core::f64::consts::PI;
 use core::{array, iter};
 
 use crate::kernels::LANES;

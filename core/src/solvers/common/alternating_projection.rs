@@ -2,12 +2,10 @@
 
 use crate::kernels::tiles;
 use crate::kernels::tiles::unit::Arc;
-use crate::linalg::Planar;
-use crate::prelude::*;
-use crate::problem::Problem;
-use crate::propagation::field_of;
-use crate::solvers::common::tiled::{Rows, Wave};
-use crate::workspace::{Aligned, Buffer, Workspace};
+use crate::propagation::{Strips, field_of};
+use crate::solvers::amplitude_limit::AmplitudeLimit;
+use crate::solvers::prelude::*;
+use crate::workspace::Aligned;
 
 /// Alternating projections on the tiles of G: from requested pressures at the points to |q| = 1 and its field.
 pub(crate) struct Projector<'w> {
@@ -53,7 +51,7 @@ impl<'w> Projector<'w> {
         rows: &Rows,
         work: &'w Workspace,
         control: &mut Control,
-    ) -> Result<Wave<'w>, Error> {
+    ) -> Result<Wave<'w>> {
         Ok(self.start(problem, rows, work, control)?.unwrap_or_else(|| {
             let mut wave = Wave::new(rows, work);
             wave.play(rows, core::iter::repeat_n(Complex32::ONE, problem.propagation().transducers()));
@@ -69,7 +67,7 @@ impl<'w> Projector<'w> {
         rows: &Rows,
         work: &'w Workspace,
         control: &mut Control,
-    ) -> Result<Option<Wave<'w>>, Error> {
+    ) -> Result<Option<Wave<'w>>> {
         if !problem.has_start() {
             return Ok(None);
         }
@@ -90,11 +88,7 @@ impl<'w> Projector<'w> {
 }
 
 /// Returns the unit phasors at the points of a problem's start; 1 if it has none, or where the pressure is 0.
-pub(crate) fn start_phasors<'w>(
-    problem: &Problem,
-    work: &'w Workspace,
-    control: &mut Control,
-) -> Result<Planar<'w>, Error> {
+pub(crate) fn start_phasors<'w>(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Planar<'w>> {
     let propagation = problem.propagation();
     let mut phasors = Planar::zeros(1, propagation.lanes(), work);
     phasors.re[..propagation.points()].fill(1.0);
@@ -110,6 +104,35 @@ pub(crate) fn start_phasors<'w>(
         }
     }
     Ok(phasors)
+}
+
+/// Creates a solver's solution q_i = `factor`_i sum_j conj(G_ji) x_j within the `limit`. `ended` is its status and the
+/// number of steps taken, of `steps`.
+#[allow(clippy::too_many_arguments, reason = "what every solver ends with, and what it wants")]
+pub(crate) fn back_projected(
+    problem: &Problem,
+    mut strips: Strips<'_>,
+    wanted: &Planar,
+    factor: impl Fn(usize) -> f32,
+    limit: AmplitudeLimit,
+    (ended, steps): ((Status, usize), usize),
+    work: &Workspace,
+    control: &mut Control,
+) -> Result<Solution> {
+    let propagation = problem.propagation();
+    let mut parts = strips.back_project(wanted, control)?;
+    for part in &mut parts {
+        part.iter_mut().enumerate().for_each(|(i, x)| *x *= factor(i));
+    }
+    limit.apply(propagation.instruction_set(), parts.each_mut().map(|part| &mut part[..]));
+    let field = strips.field(&mut parts, control)?;
+    let mut drive = work.complexes.empty(propagation.transducers());
+    drive.extend(
+        parts[0].iter().zip(&parts[1]).map(|(&re, &im)| Complex32::new(re, im)).take(propagation.transducers()),
+    );
+    let mut solution = Solution::of_field(problem, drive, &field, ended.0, ended.1, work, control)?;
+    solution.tell(problem, steps, control);
+    Ok(solution)
 }
 
 #[cfg(test)]

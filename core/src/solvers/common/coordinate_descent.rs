@@ -13,17 +13,12 @@
 //! includes the waves of all other transducers; those not yet replaced have their old drives. After a pass that begins
 //! in silence, further sweeps update the first transducers again, with all waves known.
 
-use core::f64::consts::TAU;
-
 use crate::kernels;
-use crate::kernels::greedy::objective::Term;
-use crate::kernels::{Candidates, LANES, PhaseRange, PointGroup};
-use crate::linalg::Planar;
+use crate::kernels::greedy::candidates::Term;
+use crate::kernels::{Candidates, PhaseRange, PointGroup};
 use crate::math::{atan2, ceil, floor, modulus, round};
-use crate::prelude::*;
-use crate::problem::{Problem, Solution, Status};
 use crate::propagation::field_of;
-use crate::workspace::Workspace;
+use crate::solvers::prelude::*;
 
 /// Largest distance in turns between a phase on a grid and its value in f32.
 const ROUNDING: f64 = 3e-8;
@@ -51,7 +46,7 @@ impl CoordinateDescent<'_> {
         last: &[Complex32],
         work: &Workspace,
         control: &mut Control,
-    ) -> Result<Solution, Error> {
+    ) -> Result<Solution> {
         let propagation = problem.propagation();
         let (set, lanes, phases) = (propagation.instruction_set(), propagation.lanes(), self.candidates.phases);
         let mut grid = phases;

@@ -11,9 +11,7 @@
 //! most of the power goes through the points. A disc, a square or a picture that begins so ends at a tenth of the error
 //! that random phases or plane waves end at.
 
-use crate::prelude::*;
-use crate::problem::Problem;
-use crate::workspace::Workspace;
+use crate::solvers::prelude::*;
 
 /// The side of the points on which the focus is, as seen from the array.
 #[derive(Clone, Copy)]

@@ -4,14 +4,11 @@
 //! mu I)^-1 J^T r equals -J^T (J J^T + mu I)^-1 r. The system then has as many unknowns as equations, however many
 //! transducers there are.
 
-use crate::control::bytes;
-use crate::kernels::tiles;
 use crate::kernels::tiles::products;
-use crate::kernels::{InstructionSet, padded};
+use crate::kernels::{padded, tiles};
 use crate::linalg::Cholesky;
-use crate::prelude::*;
-use crate::solvers::common::tiled::{Rows, Wave};
-use crate::workspace::{Aligned, Buffer, Workspace};
+use crate::solvers::prelude::*;
+use crate::workspace::Aligned;
 
 /// The derivatives J of some equations, and J J^T.
 pub(crate) struct Dual<'w> {
@@ -29,7 +26,7 @@ pub(crate) struct Dual<'w> {
 }
 
 impl<'w> Dual<'w> {
-    pub(crate) fn new(rows: &Rows, size: usize, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
+    pub(crate) fn new(rows: &Rows, size: usize, work: &'w Workspace, control: &mut Control) -> Result<Self> {
         let (slopes, sides) = (tiles::size(tiles::height(size), rows.lanes), [rows.lanes, rows.order.len()]);
         let taken = bytes(4, &[slopes]).saturating_add(bytes(8, &[size, padded(size)]));
         control.room("the Jacobian and its normal equations", sides, taken)?;
@@ -57,7 +54,7 @@ impl<'w> Dual<'w> {
         points: impl Iterator<Item = usize>,
         metric: Option<&[f32]>,
         control: &mut Control,
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         let [[re, im], [f, g]] = [&wave.drive, &self.factors];
         tiles::slopes(self.set, rows.tiles(), [re, im], [f, g], points, &mut self.slopes, control)?;
         if let Some(metric) = metric {
@@ -69,11 +66,7 @@ impl<'w> Dual<'w> {
 
     /// Returns the Cholesky factor of J J^T with `damping` of each equation added to the diagonal; `None` if f32 cannot
     /// factor it.
-    pub(crate) fn factor(
-        &self,
-        damping: impl Fn(usize) -> f32,
-        control: &mut Control,
-    ) -> Result<Option<Cholesky<'w>>, Error> {
+    pub(crate) fn factor(&self, damping: impl Fn(usize) -> f32, control: &mut Control) -> Result<Option<Cholesky<'w>>> {
         let mut matrix = self.work.floats.take_any(self.matrix.len());
         matrix.copy_from_slice(&self.matrix);
         for k in 0..self.size {

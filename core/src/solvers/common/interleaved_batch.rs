@@ -4,13 +4,10 @@ use core::array;
 
 use crate::kernels::closed_form::interleaved_sweep::{EIGHT, deal_in, deal_out};
 use crate::kernels::propagate::field::interleaved_field;
-use crate::kernels::{ControlPoints, InstructionSet, LANES, Rows, Run, interleaved_moduli};
-use crate::linalg::Planar;
-use crate::prelude::*;
-use crate::problem::{Problem, Solution, Status};
+use crate::kernels::{ControlPoints, Rows, Run, interleaved_moduli};
 use crate::propagation::Sources;
 use crate::propagation::reach::NEAR;
-use crate::workspace::{Buffer, Workspace};
+use crate::solvers::prelude::*;
 
 /// The control points of up to 16 problems of one model: a lane group for each point, a lane for each problem.
 pub(crate) struct InterleavedPoints<'w> {

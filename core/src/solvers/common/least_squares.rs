@@ -11,15 +11,10 @@
 //! Below the balanced level amplitudes are free as well ([`with_amplitudes`]). They start from the drive of the
 //! balanced level, with reduced amplitude, and meet the targets that phases alone miss.
 
-use core::f64::consts::TAU;
-
-use crate::prelude::*;
-use crate::problem::{Problem, Status};
 use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::cover::{Side, cover};
 use crate::solvers::common::phase_descent::{Cost, PhaseDescent};
-use crate::solvers::common::tiled::{Rows, Wave};
-use crate::workspace::Workspace;
+use crate::solvers::prelude::*;
 
 /// Limits of the search.
 #[derive(Clone, Copy)]
@@ -77,7 +72,7 @@ pub(crate) fn least_squares(
     task: &Task,
     work: &Workspace,
     control: &mut Control,
-) -> Result<LeastSquares, Error> {
+) -> Result<LeastSquares> {
     let rows = Rows::new(problem, work, control)?;
     let mut targets = work.floats.take(rows.order.len());
     targets.iter_mut().zip(problem.targets()).for_each(|(own, target)| *own = task.factor * target);
@@ -139,7 +134,7 @@ pub(crate) fn with_amplitudes(
     before: (usize, usize),
     work: &Workspace,
     control: &mut Control,
-) -> Result<LeastSquares, Error> {
+) -> Result<LeastSquares> {
     let rows = Rows::new(problem, work, control)?;
     let targets = &problem.targets()[..rows.order.len()];
     let request = RowRequest { targets, weights: problem.weights() };
@@ -244,7 +239,7 @@ fn descend(
 }
 
 /// Returns the wave of the problem's start, or of q = 1, at full drive.
-fn begun<'w>(problem: &Problem, rows: &Rows, work: &'w Workspace, control: &mut Control) -> Result<Wave<'w>, Error> {
+fn begun<'w>(problem: &Problem, rows: &Rows, work: &'w Workspace, control: &mut Control) -> Result<Wave<'w>> {
     let start = Projector::new(rows, work).begin(problem, rows, work, control)?;
     let drive = start.drives(problem.propagation().transducers(), work);
     Ok(played(drive, rows, work))

@@ -1,7 +1,6 @@
 //! Parts that several solvers share.
 
 pub(crate) mod alternating_projection;
-pub(crate) mod back_projection;
 pub(crate) mod coordinate_descent;
 pub(crate) mod cover;
 pub(crate) mod gauss_newton;

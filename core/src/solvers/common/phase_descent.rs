@@ -17,8 +17,7 @@
 use crate::kernels::tiles;
 use crate::math::{sqrtf, unit};
 use crate::solvers::common::quasi_newton::{QuasiNewton, dot};
-use crate::solvers::common::tiled::{Rows, Wave};
-use crate::workspace::{Buffer, Workspace};
+use crate::solvers::prelude::*;
 
 /// The part of the predicted decrease that a step must reach.
 const ENOUGH: f64 = 1e-4;

@@ -1,6 +1,6 @@
 //! Quasi-Newton directions with limited memory (L-BFGS; Nocedal and Wright 2006, algorithm 7.4).
 
-use crate::workspace::{Buffer, Workspace};
+use crate::solvers::prelude::*;
 
 /// Number of steps stored; in trials 10 to 30 gave the same results.
 const MEMORY: usize = 16;

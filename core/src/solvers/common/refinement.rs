@@ -5,11 +5,8 @@
 
 use crate::kernels;
 use crate::kernels::{Candidates, table};
-use crate::linalg::Planar;
-use crate::prelude::*;
-use crate::problem::Problem;
 use crate::propagation::field_of;
-use crate::workspace::Workspace;
+use crate::solvers::prelude::*;
 
 /// Number of phases tried for each transducer, around its present phase: one lane group. A coarse device has no more
 /// phases; on a fine device a rounding error needs fewer.

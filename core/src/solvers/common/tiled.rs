@@ -1,14 +1,11 @@
 //! G stored as tiles (`Rows`), and a drive with its field at the points (`Wave`).
 
-use crate::control::bytes;
-use crate::kernels::InstructionSet;
 use crate::kernels::lanes::BLOCK;
 use crate::kernels::propagate::rows;
-use crate::kernels::tiles;
 use crate::kernels::tiles::Tiles;
 use crate::kernels::tiles::unit::{Arc, Arcs};
+use crate::kernels::{InstructionSet, tiles};
 use crate::linalg::Planar;
-use crate::math::sqrtf;
 use crate::prelude::*;
 use crate::problem::{Problem, Solution, Status};
 use crate::workspace::{Aligned, Buffer, Workspace};
@@ -36,19 +33,14 @@ pub(crate) struct Rows<'w> {
 
 impl<'w> Rows<'w> {
     /// Creates the rows of G unchanged, in the problem's order of points.
-    pub(crate) fn new(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
+    pub(crate) fn new(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Self> {
         Self::of(problem, work.counting(problem.propagation().points()), work, control)
     }
 
     /// Creates rows divided by their points' targets and multiplied by the largest target, so that all rows request the
     /// same pressure. The `quiet` points come last. Each of their rows is multiplied by its weight relative to the
     /// largest weight of a target, so that the same leak is allowed in all.
-    pub(crate) fn alike(
-        problem: &Problem,
-        quiet: &[u32],
-        work: &'w Workspace,
-        control: &mut Control,
-    ) -> Result<Self, Error> {
+    pub(crate) fn alike(problem: &Problem, quiet: &[u32], work: &'w Workspace, control: &mut Control) -> Result<Self> {
         let (targets, weights) = (problem.targets(), problem.weights());
         let targeted = (0..problem.propagation().points() as u32).filter(|&j| targets[j as usize] > 0.0);
         let heaviest = targeted.clone().map(|j| weights[j as usize]).fold(f32::MIN_POSITIVE, f32::max);
@@ -72,7 +64,7 @@ impl<'w> Rows<'w> {
         order: Buffer<'w, u32>,
         work: &'w Workspace,
         control: &mut Control,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let (propagation, targets) = (problem.propagation(), problem.targets());
         let (rows, transducers) = (propagation.rows(), propagation.transducers());
         let packed = Self::packed(propagation.instruction_set(), rows, transducers, order, work, control)?;
@@ -88,7 +80,7 @@ impl<'w> Rows<'w> {
         order: Buffer<'w, u32>,
         work: &'w Workspace,
         control: &mut Control,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let mut scale = work.floats.take_any(order.len());
         scale.fill(1.0);
         let (count, lanes) = (tiles::height(order.len()), tiles::lanes(transducers));
@@ -237,7 +229,7 @@ impl<'w> Wave<'w> {
         steps: usize,
         work: &Workspace,
         control: &mut Control,
-    ) -> Result<Solution, Error> {
+    ) -> Result<Solution> {
         let propagation = problem.propagation();
         let mut field = Planar::zeros(1, propagation.lanes(), work);
         for (to, from) in [&mut field.re, &mut field.im].into_iter().zip(&self.field) {

@@ -5,11 +5,8 @@
 //! inwards may leave the end (Bertsekas, SIAM J. Control Optim. 20(2), 1982).
 
 use crate::kernels::tiles::unit::Arc;
-use crate::prelude::*;
-use crate::problem::Problem;
-use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::newton::Newton;
-use crate::workspace::Workspace;
+use crate::solvers::prelude::*;
 
 /// Number of tries of a step, each half as far as the one before.
 const HALVINGS: usize = 4;
@@ -42,7 +39,7 @@ pub(crate) fn even_within<'w>(
     (wave, trial): (&mut Wave<'w>, &mut Wave<'w>),
     work: &'w Workspace,
     control: &mut Control,
-) -> Result<f32, Error> {
+) -> Result<f32> {
     let arcs = rows.arcs(arc, work);
     let mut mask = work.floats.take_any(rows.lanes);
     let mut newton = Newton::new(problem, rows, 0.0, work, control)?;

@@ -18,24 +18,16 @@
 
 mod arc;
 
-use core::f64::consts::{PI, TAU};
-
-use crate::device::quantization::{Quantization, steps_within};
-use crate::error::{frame_rate, real};
+use crate::device::quantization::steps_within;
 use crate::kernels::tiles::unit::{Arc, rotate_list};
 use crate::kernels::tiles::{all_sound, error_diffusion};
-use crate::prelude::*;
-use crate::problem::{Problem, Solution, Status};
 use crate::solvers::common::alternating_projection::Projector;
-use crate::solvers::common::tiled::{Rows, Wave};
-use crate::solvers::even_field;
 use crate::solvers::even_field::grid::Answer;
 use crate::solvers::even_field::run::{Plan, QUIET, SWEEPS};
 use crate::solvers::even_field::traps::within::{self, Turn};
 use crate::solvers::glide::arc::{Steps, even_within};
-use crate::solvers::last::Last;
-use crate::solvers::method::{Info, Method, Solve};
-use crate::workspace::{Buffer, Workspace};
+use crate::solvers::prelude::*;
+use crate::solvers::{Last, even_field};
 
 options! {
     /// Even points in motion, |q| = 1 before all drives are reduced to the targets. Time O(N M^2 + M^3) a frame, memory O(N M + M^2).
@@ -85,7 +77,7 @@ impl Method for Glide {
     .with_start()
     .with_aim();
 
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         real("change", self.change, 0.0, false)?;
         real("tau", self.tau, 0.0, false)?;
         frame_rate(self.rate)?;
@@ -98,7 +90,7 @@ impl Method for Glide {
 }
 
 impl Solve for Glide {
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution> {
         let propagation = problem.propagation();
         let mut last = Last::taken(work, propagation.transducers(), propagation.points());
         let solution = self.follow(problem, &mut last, work, control);
@@ -112,7 +104,7 @@ impl Solve for Glide {
         last: &mut Last,
         work: &mut Workspace,
         control: &mut Control,
-    ) -> Result<Solution, Error> {
+    ) -> Result<Solution> {
         let mut free = false;
         if let Some(drive) = problem.start_drive() {
             begin(last, problem, drive)?;
@@ -130,17 +122,7 @@ impl Solve for Glide {
         self.next(problem, last, free, work, control)
     }
 
-    fn finds_level(&self) -> bool {
-        true
-    }
-
-    fn meets_targets(&self) -> bool {
-        true
-    }
-
-    fn remembers(&self) -> bool {
-        true
-    }
+    facts!(finds_level = true, meets_targets = true, remembers = true);
 
     fn bound(&self) -> Option<f64> {
         Some(self.change)
@@ -156,7 +138,7 @@ impl Glide {
         free: bool,
         work: &Workspace,
         control: &mut Control,
-    ) -> Result<Solution, Error> {
+    ) -> Result<Solution> {
         let mut frame = Frame::new(self, free, problem, last, work, control)?;
         let Some(mut traps) = within::requested(problem, last, control)? else {
             frame.sweep(self, control)?;
@@ -189,7 +171,7 @@ fn placed(problem: &Problem, q: Complex32) -> Complex32 {
 }
 
 /// Sets the last drive, rounded to the board's nearest phases. Every transducer that reaches a point must have a phase.
-fn begin(last: &mut Last, problem: &Problem, drive: &[Complex32]) -> Result<(), Error> {
+fn begin(last: &mut Last, problem: &Problem, drive: &[Complex32]) -> Result<()> {
     let propagation = problem.propagation();
     let reaches = |i: usize| (0..propagation.points()).any(|j| propagation.exact(j, i).norm() > 0.0);
     if let Some(i) = drive.iter().enumerate().position(|(i, q)| *q == Complex32::ZERO && reaches(i)) {
@@ -226,7 +208,7 @@ impl<'w> Frame<'w> {
         last: &mut Last,
         work: &'w Workspace,
         control: &mut Control,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let mut rows = Rows::alike(problem, &[], work, control)?;
         let mut wave = Wave::new(&rows, work);
         let kept = if glide.tau > 0.0 { math::exp(-1.0 / (glide.rate * glide.tau)) } else { 0.0 };
@@ -267,7 +249,7 @@ impl<'w> Frame<'w> {
     }
 
     /// Does weighted sweeps within the arc, from the point phases of the wave.
-    fn sweep(&mut self, glide: &Glide, control: &mut Control) -> Result<(), Error> {
+    fn sweep(&mut self, glide: &Glide, control: &mut Control) -> Result<()> {
         let Self { rows, wave, projector, weights, rest, arc, free, .. } = self;
         // A single point needs no weight, so one sweep is enough for it.
         let sweeps = match rows.targeted {
@@ -301,7 +283,7 @@ impl<'w> Frame<'w> {
         problem: &Problem,
         work: &'w Workspace,
         control: &mut Control,
-    ) -> Result<Status, Error> {
+    ) -> Result<Status> {
         let Self { rows, wave, trial, rest, arc, .. } = self;
         let hear = |wave: &mut Wave<'_>| add(wave, rest.as_ref());
         let steps = Steps { arc: *arc, most: glide.steps, even: EVEN };
@@ -317,7 +299,7 @@ impl<'w> Frame<'w> {
         last: &mut Last,
         work: &'w Workspace,
         control: &mut Control,
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         let Self { rows, wave, trial, weights, rest, most, .. } = self;
         let grid = problem.quantization().map(Quantization::grid);
         let phases = grid.and_then(|grid| grid.phases.as_ref());
@@ -378,7 +360,7 @@ impl<'w> Frame<'w> {
         last: &mut Last,
         work: &'w Workspace,
         control: &mut Control,
-    ) -> Result<Solution, Error> {
+    ) -> Result<Solution> {
         let Self { rows, mut wave, rest, part, .. } = self;
         for (y, q) in last.envelope.iter_mut().zip(&last.played) {
             *y += (q - *y) * part;

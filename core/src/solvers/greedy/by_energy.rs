@@ -3,13 +3,9 @@
 //! Each transducer's turn evaluates all candidates at once; a sweep has N turns. Nothing is known about the energy, so
 //! there are no shortcuts: a turn takes O(K L M) plus the time of the energy itself.
 
-use crate::control::bytes;
 use crate::math::modulus;
-use crate::prelude::*;
-use crate::problem::{Problem, Solution, Status};
 use crate::solvers::greedy::Greedy;
-use crate::solvers::method::{Info, Solve};
-use crate::workspace::Workspace;
+use crate::solvers::prelude::*;
 
 /// The least advantage with which a later candidate wins, relative to the largest value: the rounding of sums in f32.
 const ROUNDING: f64 = 1e-7;
@@ -21,7 +17,7 @@ pub trait Energy: Send + Sync {
     ///
     /// # Errors
     /// Any error that ends the solve; the best drive so far is then lost.
-    fn evaluate(&self, fields: &[Complex32], request: &ActiveRequest, values: &mut [f64]) -> Result<(), Error>;
+    fn evaluate(&self, fields: &[Complex32], request: &ActiveRequest, values: &mut [f64]) -> Result<()>;
 }
 
 /// Targets and weights of the M points whose weight is above 0.
@@ -78,7 +74,7 @@ impl GreedyBy {
 }
 
 impl Solve for GreedyBy {
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution> {
         let greedy = &self.greedy;
         let propagation = problem.propagation();
         let (points, lanes) = (propagation.points(), propagation.lanes());
@@ -135,7 +131,7 @@ impl Solve for GreedyBy {
 }
 
 /// Returns the index of the lowest of every `step`th value; of equal values the first.
-fn best(values: &[f64], step: usize) -> Result<usize, Error> {
+fn best(values: &[f64], step: usize) -> Result<usize> {
     if let Some(k) = values.iter().position(|value| !value.is_finite()) {
         let cure = "give a finite number for each candidate";
         return Err(Error::invalid(format!("objective[{k}]"), format!("{:?}", values[k]), cure));

@@ -12,20 +12,12 @@ pub(crate) mod by_energy;
 
 use core::any::Any;
 
-use crate::device::quantization::Quantization;
-use crate::error::{real, same_name};
-use crate::kernels::greedy;
-use crate::kernels::greedy::interleaved_pass;
-use crate::kernels::greedy::{Pass, Search};
-use crate::kernels::{Candidates, L1, L2, LANES, PhaseRange, PointGroup, table};
-use crate::linalg::Planar;
-use crate::prelude::*;
-use crate::problem::{Problem, Solution, Status};
+use crate::kernels::greedy::{Pass, Search, interleaved_pass};
+use crate::kernels::{Candidates, L1, L2, PhaseRange, PointGroup, greedy, table};
 use crate::scene::{OptionValue, Options, Value, words};
 use crate::solvers::common::coordinate_descent::{CoordinateDescent, collect, moduli};
 use crate::solvers::common::interleaved_batch::InterleavedBatch;
-use crate::solvers::method::{Info, Method, Solve};
-use crate::workspace::{Buffer, Workspace};
+use crate::solvers::prelude::*;
 
 /// The error of a point in the objective: squared or absolute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +73,7 @@ impl OptionValue for Order {
     const WORDS: &'static [&'static str] = &["random", "rows", "columns"];
     const LIST: bool = true;
 
-    fn read(item: &str, value: &Value) -> Result<Self, Error> {
+    fn read(item: &str, value: &Value) -> Result<Self> {
         if let Value::Integers(list) = value {
             let order = list.iter().map(|&i| u32::try_from(i)).collect::<Result<_, _>>();
             return order.map(Self::Given).map_err(|_| not_a_permutation(value));
@@ -108,7 +100,7 @@ fn not_a_permutation(value: &Value) -> Error {
 
 impl Order {
     /// Writes the order of all transducers to `out`, which contains 0..N.
-    fn write(&self, seed: u64, positions: Option<&[[f64; 3]]>, out: &mut [u32]) -> Result<(), Error> {
+    fn write(&self, seed: u64, positions: Option<&[[f64; 3]]>, out: &mut [u32]) -> Result<()> {
         match self {
             Self::Rows => {}
             Self::Random => Rng::new(seed).shuffle(out),
@@ -131,9 +123,7 @@ impl Order {
             }
             Self::Given(order) => {
                 let fault = || not_a_permutation(&self.show());
-                if order.len() != out.len() {
-                    return Err(fault());
-                }
+                refuse_if!(order.len() != out.len(), fault());
                 // Marks every index of the order in `out`, which still contains 0..N, before overwriting it.
                 for &i in order {
                     match out.get_mut(i as usize) {
@@ -164,7 +154,7 @@ impl Method for Greedy {
         phases.into_iter().chain(amplitudes).collect()
     }
 
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         let sizes = [
             ("phases", self.phases, 2..=65_536),
             ("amplitudes", self.amplitudes, 1..=256),
@@ -182,24 +172,20 @@ impl Method for Greedy {
 
 impl Greedy {
     /// Returns the transducers in the order of their updates, and the candidates of each.
-    pub(crate) fn search<'w>(
-        &self,
-        problem: &Problem,
-        work: &'w Workspace,
-    ) -> Result<(Buffer<'w, u32>, Candidates), Error> {
+    pub(crate) fn search<'w>(&self, problem: &Problem, work: &'w Workspace) -> Result<(Buffer<'w, u32>, Candidates)> {
         self.check()?;
         Ok((self.order(problem, work)?, self.candidates(problem, work)?))
     }
 
     /// Returns the indices of the transducers in the order of their updates.
-    fn order<'w>(&self, problem: &Problem, work: &'w Workspace) -> Result<Buffer<'w, u32>, Error> {
+    fn order<'w>(&self, problem: &Problem, work: &'w Workspace) -> Result<Buffer<'w, u32>> {
         let mut order = work.counting(problem.propagation().transducers());
         self.order.write(self.seed, problem.setup().positions.as_deref(), &mut order)?;
         Ok(order)
     }
 
     /// Returns the candidates on this problem's device.
-    fn candidates(&self, problem: &Problem, work: &Workspace) -> Result<Candidates, Error> {
+    fn candidates(&self, problem: &Problem, work: &Workspace) -> Result<Candidates> {
         let (phases, amplitudes) = (self.phases as usize, self.amplitudes as usize);
         let on = problem.quantization().map(Quantization::on).unwrap_or_default();
         if let Some(known) = problem.quantization().and_then(Quantization::phases)
@@ -223,11 +209,9 @@ impl Greedy {
 }
 
 impl Solve for Greedy {
-    fn computes_rows(&self) -> bool {
-        true
-    }
+    facts!(computes_rows = true);
 
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution> {
         self.check()?;
         if problem.start_phases().is_some() {
             return Err(Error::invalid(
