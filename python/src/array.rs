@@ -1,10 +1,6 @@
 //! `midair.Array` and `midair.presets`.
 
-use std::hash::{Hash, Hasher};
-use std::sync::Arc;
-
-use midair::{Directivity, Medium, Origin, PartKind, PartValue, Transducer};
-use pyo3::types::IntoPyDict;
+use midair::{Directivity, Medium, Origin, PartKind, PartValue};
 
 use crate::give::{list, rows};
 use crate::parts::{self, Values};
@@ -83,14 +79,7 @@ impl PartialEq for Array {
     }
 }
 
-impl Hash for Array {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        // Equal values need equal hashes, and 0 equals -0: adding 0 turns -0 into 0.
-        let Transducer { source_pressure, .. } = self.inner.transducer();
-        (self.inner.len(), self.inner.positions()[0].map(|x| (x + 0.0).to_bits())).hash(state);
-        source_pressure.to_bits().hash(state);
-    }
-}
+hashed!(Array: self => (self.inner.positions()[0].map(bits), bits(self.inner.transducer().source_pressure)));
 
 #[pymethods]
 impl Array {
@@ -164,9 +153,7 @@ impl Array {
     #[staticmethod]
     #[pyo3(signature = (name, tiles=None, **parts))]
     fn preset(name: &Bound<'_, PyAny>, tiles: Argument<'_, '_>, parts: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let Ok(name) = name.extract::<String>() else {
-            return Err(invalid("preset", &quoted(name), "give a name as text"));
-        };
+        let name = read::text("preset", name, "give a name as text")?;
         let array = midair::Array::preset(&name, read::tiles(tiles)?).map_err(refused)?;
         Self::from(array).with_parts(parts::keywords("Array.preset", parts)?)
     }
@@ -271,7 +258,7 @@ impl Array {
     /// >>> turned = midair.Array(board.positions.reshape(16, 16, 3).swapaxes(0, 1).reshape(256, 3))
     /// >>> turned.channels_by_place("sonicsurface")[:3], midair.Board("sonicsurface").channels[:33:16]
     /// (array([0, 4, 8]), array([0, 4, 8]))
-    fn channels_by_place<'py>(&self, py: Python<'py>, kind: &str) -> PyResult<Bound<'py, PyArray1<i64>>> {
+    fn channels_by_place<'py>(&self, py: Python<'py>, kind: &str) -> PyResult<Array1<'py, i64>> {
         let channels = self.inner.channels_by_place(kind).map_err(refused)?;
         Ok(list(py, channels.into_iter().map(|channel| i64::try_from(channel).unwrap_or(i64::MAX)).collect()))
     }
@@ -340,10 +327,10 @@ getters! {
     Array:
 
     /// Positions (N, 3) in m.
-    positions(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, self.inner.positions());
+    positions(self, py) -> PyResult<Array2<'py, f64>> = rows(py, self.inner.positions());
 
     /// Unit normals (N, 3).
-    normals(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, self.inner.normals());
+    normals(self, py) -> PyResult<Array2<'py, f64>> = rows(py, self.inner.normals());
 
     /// Values of the air by name, for scenes that give none.
     ///

@@ -2,8 +2,7 @@
 
 use std::time::Instant;
 
-use midair::{Complex32, Control, Request, SolveRequest, Start, Status};
-use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
+use midair::{SolveRequest, Start, Status};
 use pyo3::exceptions::{PyIndexError, PyOverflowError};
 
 use crate::chosen::Chosen;
@@ -97,7 +96,7 @@ impl Batch {
 
     /// Number of steps of each problem (B,).
     #[getter]
-    fn steps<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+    fn steps<'py>(&self, py: Python<'py>) -> Array1<'py, i64> {
         let steps = self.inner.steps.iter().map(|&steps| i64::try_from(steps).unwrap_or(i64::MAX));
         give::list(py, steps.collect())
     }
@@ -182,23 +181,23 @@ getters! {
     drives(self, py) -> Py<PyArray2<Complex32>> = self.drives.clone_ref(py);
 
     /// Complex pressures (B, M) in Pa (peak), complex64.
-    pressures(self, py) -> PyResult<Bound<'py, PyArray2<Complex32>>> =
+    pressures(self, py) -> PyResult<Array2<'py, Complex32>> =
         give::table(py, self.inner.pressures.clone(), [self.inner.steps.len(), self.points]);
 
     /// Metrics of each problem: attributes of shape (B,).
     metrics(self) -> BatchMetrics = BatchMetrics { inner: self.inner.metrics.clone() };
 
     /// Factor of each problem's drive for supply or modulation (B,).
-    scale(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.inner.scale.clone());
+    scale(self, py) -> Array1<'py, f64> = give::list(py, self.inner.scale.clone());
 
     /// Status of each problem (B,): "done", "missed", "out_of_steps" or "stopped".
     status(self) -> Vec<String> = self.inner.status.iter().map(ToString::to_string).collect();
 
     /// Whether a requested pressure of each problem exceeds the array's reach at its point (B,), bool.
-    beyond(self, py) -> Bound<'py, PyArray1<bool>> = give::list(py, self.inner.beyond.clone());
+    beyond(self, py) -> Array1<'py, bool> = give::list(py, self.inner.beyond.clone());
 
     /// Whether each problem was solved unbalanced with pressures below half the balanced level (B,), bool.
-    weak(self, py) -> Bound<'py, PyArray1<bool>> = give::list(py, self.inner.weak.clone());
+    weak(self, py) -> Array1<'py, bool> = give::list(py, self.inner.weak.clone());
 
     /// Time in s from the checked arguments to the last solution.
     elapsed(self) -> f64 = self.elapsed;
@@ -258,7 +257,6 @@ getters! {
     scene, points=None, pressures=None, solver=None, *, weights=None, start=None, out=None, threads=None,
     progress=None, **options
 ))]
-#[allow(clippy::too_many_arguments, reason = "Python's keywords")]
 pub(crate) fn solve_batch(
     py: Python<'_>,
     scene: &Bound<'_, PyAny>,

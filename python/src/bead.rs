@@ -1,7 +1,5 @@
 //! `midair.Bead`, the sphere for which traps are made, and the argument `bead`.
 
-use std::hash::{Hash, Hasher};
-
 use midair::{Bead as Core, Particle};
 
 use crate::prelude::*;
@@ -38,12 +36,7 @@ use crate::prelude::*;
 #[derive(Clone, PartialEq)]
 pub(crate) struct Bead(pub(crate) Core);
 
-impl Hash for Bead {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        // Equal values need equal hashes, and 0 equals -0: adding 0 turns -0 into 0.
-        self.0.particle.numbers().for_each(|(_, value)| (value + 0.0).to_bits().hash(state));
-    }
-}
+hashed!(Bead: self => self.0.particle.numbers().map(|(_, value)| bits(value)).collect::<Vec<_>>());
 
 #[pymethods]
 impl Bead {

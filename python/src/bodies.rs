@@ -1,10 +1,6 @@
 //! `midair.Wall`, `midair.Sphere`, ...: obstacles described by a few numbers, one class for each kind in the core.
 
-use std::hash::{Hash, Hasher};
-use std::sync::Arc;
-
 use midair::{Obstacle, Surface};
-use pyo3::types::IntoPyDict;
 
 use crate::mesh::{Mesh, surface};
 use crate::prelude::*;
@@ -21,8 +17,7 @@ impl Part for f64 {
     }
 
     fn bits(&self) -> Vec<u64> {
-        // Equal values need equal hashes, and 0 equals -0: adding 0 turns -0 into 0.
-        vec![(self + 0.0).to_bits()]
+        vec![bits(*self)]
     }
 }
 
@@ -32,7 +27,7 @@ impl Part for (f64, f64, f64) {
     }
 
     fn bits(&self) -> Vec<u64> {
-        [self.0, self.1, self.2].map(|x| (x + 0.0).to_bits()).to_vec()
+        [self.0, self.1, self.2].map(bits).to_vec()
     }
 }
 
@@ -48,11 +43,7 @@ macro_rules! bodies {
                 kind: Surface,
             }
 
-            impl Hash for $name {
-                fn hash<H: Hasher>(&self, state: &mut H) {
-                    $( self.$part.bits().hash(state); )+
-                }
-            }
+            hashed!($name: self => ($( self.$part.bits(), )+));
 
             #[pymethods]
             impl $name {

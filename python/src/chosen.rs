@@ -1,9 +1,7 @@
 //! The solver of a call: its name, its options, balance and aim, from keywords, a scene file or a Python function.
 
-use std::sync::Arc;
-
 use midair::solvers::{self as registry, Configured, Info};
-use midair::{Choice, Options, Problem, Quantization};
+use midair::{Options, Quantization};
 
 use crate::function::{Function, Objective, Raised};
 use crate::prelude::*;
@@ -71,7 +69,7 @@ impl Chosen {
     ) -> PyResult<(Self, Configured, Raised)> {
         let function = naming.solver.map(|solver| Function::read(solver, options)).transpose()?.flatten();
         if let Some(function) = function {
-            let (mut choice, raised) = (function.choice(py)?, function.raised());
+            let (mut choice, raised) = (function.choice(py)?, function.raised.clone());
             naming.write(&mut choice)?;
             let configured = function.configured(&choice)?;
             let (chosen, configured) = Self::of(choice, configured);
@@ -80,7 +78,7 @@ impl Chosen {
         let (energy, options) = Objective::take(options)?;
         let (chosen, configured) = Self::read(file, board, naming, options.as_ref())?;
         let Some(energy) = energy else { return Ok((chosen, configured, Raised::default())) };
-        let (choice, raised) = (Arc::unwrap_or_clone(chosen.choice), energy.raised());
+        let (choice, raised) = (Arc::unwrap_or_clone(chosen.choice), energy.raised.clone());
         let (chosen, configured) = Self::of(choice, energy.configured(py, configured)?);
         Ok((chosen, configured, raised))
     }

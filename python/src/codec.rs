@@ -1,7 +1,7 @@
 //! `Codec`: converts drives to the bytes of a board's frame; the core of `midair.Board`.
 
-use midair::{Board, Complex32, Complex64};
-use pyo3::types::{IntoPyDict, PyBytes};
+use midair::Board;
+use pyo3::types::PyBytes;
 
 use crate::array::Array;
 use crate::prelude::*;
@@ -70,7 +70,7 @@ impl Codec {
     }
 
     /// Returns the drive (N,) of a frame.
-    fn decode<'py>(&self, py: Python<'py>, frame: &[u8]) -> PyResult<Bound<'py, PyArray1<Complex32>>> {
+    fn decode<'py>(&self, py: Python<'py>, frame: &[u8]) -> PyResult<Array1<'py, Complex32>> {
         let mut drive = vec![Complex32::ZERO; self.board.len()];
         self.board.decode(frame, &mut drive).map_err(refused)?;
         Ok(give::list(py, drive))
@@ -94,7 +94,7 @@ impl Codec {
 
     /// Channel of each transducer (N,), or of each of the array's channels (C,).
     #[getter]
-    fn channels<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+    fn channels<'py>(&self, py: Python<'py>) -> Array1<'py, i64> {
         give::list(
             py,
             self.board.channels().iter().map(|&channel| i64::try_from(channel).unwrap_or(i64::MAX)).collect(),
@@ -133,8 +133,7 @@ getters! {
     frequency(self) -> f64 = self.board.frequency();
 
     /// Complex factor (N,) of each transducer's radiation, or None if all are 1.
-    response(self, py) -> Option<Bound<'py, PyArray1<Complex64>>> =
-        self.board.response().map(|list| give::list(py, list));
+    response(self, py) -> Option<Array1<'py, Complex64>> = self.board.response().map(|list| give::list(py, list));
 
     /// Bits per second of the board's serial line, or None for another link.
     baud(self) -> Option<u32> = self.board.baud();

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use midair::Request;
 use midair::files::{self, Drawing, Format, Source};
 
 use crate::array::Array;

@@ -60,11 +60,12 @@ Examples
 /// Converts an error of the core to the exception that users see.
 pub(crate) fn refused(mut error: midair::Error) -> PyErr {
     Python::attach(|py| {
+        let mut kind = py.get_type::<SceneError>();
         if error.code == ErrorCode::Memory {
             error.cure += " (MIDAIR_MEMORY in the environment)";
-            return raised(py.get_type::<PyMemoryError>(), &error).map_or_else(|error| error, PyErr::from_value);
+            kind = py.get_type::<PyMemoryError>();
         }
-        raised(py.get_type::<SceneError>(), &error).map_or_else(|error| error, PyErr::from_value)
+        raised(kind, &error).map_or_else(|error| error, PyErr::from_value)
     })
 }
 

@@ -1,8 +1,6 @@
 //! `midair.field` and `midair.Field`.
 
-use std::sync::Arc;
-
-use midair::{Axis, Complex32};
+use midair::Axis;
 use numpy::PyArrayDyn;
 
 use crate::error::warn;
@@ -86,7 +84,7 @@ impl Field {
 
     /// The points (P, 3) in m, or None for a plane.
     #[getter]
-    fn points<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+    fn points<'py>(&self, py: Python<'py>) -> PyResult<Option<Array2<'py, f64>>> {
         match &self.picture.places {
             Places::Plane(_) => Ok(None),
             Places::Points(points) => rows(py, points).map(Some),
@@ -95,7 +93,7 @@ impl Field {
 
     /// Which of the scene's points (M,) lie in the plane, within a tenth of the wavelength, or None for points.
     #[getter]
-    fn shown<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<bool>>> {
+    fn shown<'py>(&self, py: Python<'py>) -> Option<Array1<'py, bool>> {
         let Places::Plane(plane) = self.picture.places else { return None };
         let wavelength = self.scene.inner.medium().wavelength();
         let flags: Vec<bool> = self.scene.inner.points().iter().map(|&point| plane.shows(point, wavelength)).collect();

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use midair::Key;
 use midair::files::{self, Columns, Format, MOST_BYTES, POSITIONS, Provenance, Source};
-use midair::{Complex32, Key};
-use pyo3::types::{PyBytes, PyString};
+use pyo3::types::PyBytes;
 
 use crate::draw;
 use crate::error::error_of;
@@ -115,7 +115,7 @@ pub(crate) fn placed(text: &[u8], name: &str, error: &Bound<'_, PyAny>) -> PyRes
 }
 
 /// Line number of each row (R,), and the rows (R, C) in the order of the names.
-type Read<'py> = (Bound<'py, PyArray1<usize>>, Bound<'py, PyArray2<f64>>);
+type Read<'py> = (Array1<'py, usize>, Array2<'py, f64>);
 
 /// Reads the table in a file's bytes; `name` is its name in errors. `names` are the columns, by default those of positions,
 /// and `optional` further ones, which are NaN where they are missing.
@@ -145,17 +145,13 @@ pub(crate) fn table<'py>(
 /// Returns the CSV of a drive (N,), with the positions (N, 3) of the transducers in m if given.
 #[pyfunction]
 #[pyo3(signature = (drive, positions=None))]
-pub(crate) fn drive_to_csv(drive: &Bound<'_, PyAny>, positions: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
+pub(crate) fn drive_to_csv(drive: &Bound<'_, PyAny>, positions: Argument<'_, '_>) -> PyResult<String> {
     let positions = positions.map(|positions| reading::vectors("positions", positions)).transpose()?;
     Ok(files::write_drive(positions.as_deref(), &reading::drive("drive", drive)?))
 }
 
 /// Reads the drive (N,) in a CSV of `drive_to_csv`; `name` is the file's name in errors.
 #[pyfunction]
-pub(crate) fn drive_from_csv<'py>(
-    py: Python<'py>,
-    text: &[u8],
-    name: &str,
-) -> PyResult<Bound<'py, PyArray1<Complex32>>> {
+pub(crate) fn drive_from_csv<'py>(py: Python<'py>, text: &[u8], name: &str) -> PyResult<Array1<'py, Complex32>> {
     Ok(give::list(py, files::read_drive(text, name).map_err(refused)?))
 }

@@ -3,8 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use midair::flight::{BeadStart, Course as Inner, Envelope};
-use midair::{Complex32, Complex64};
-use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use numpy::PyReadonlyArray1;
 
 use crate::prelude::*;
 use crate::scene::Scene;
@@ -17,7 +16,7 @@ pub(crate) struct Response {
 }
 
 /// Radiation (T, S, N), and radiation (N,) after the last frame.
-type Played<'py> = (Bound<'py, PyArray3<Complex32>>, Bound<'py, PyArray1<Complex64>>);
+type Played<'py> = (Array3<'py, Complex32>, Array1<'py, Complex64>);
 
 #[pymethods]
 impl Response {
@@ -38,14 +37,13 @@ impl Response {
         py: Python<'py>,
         last: PyReadonlyArray2<'py, Complex32>,
         first: PyReadonlyArray1<'py, Complex32>,
-    ) -> PyResult<Bound<'py, PyArray1<Complex64>>> {
+    ) -> PyResult<Array1<'py, Complex64>> {
         Ok(give::list(py, self.inner.repeated(last.as_slice()?, first.as_slice()?)))
     }
 
     /// Returns the radiation (T, S, N) during frames with the drives `now` (T, N), before the drives `following` (T, N), at the
     /// starts of the parts `first` to `stop` of each frame, and the radiation after the last frame. `start` (N,) is the
     /// radiation before the first.
-    #[allow(clippy::too_many_arguments, reason = "as PyO3 gives them")]
     fn inside<'py>(
         &self,
         py: Python<'py>,
@@ -81,8 +79,7 @@ impl Course {
 }
 
 /// Times (K,) in s, places (K, B, 3) of the beads and of their points in m, and times (B,) at which beads were lost.
-type Tracks<'py> =
-    (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray3<f64>>, Bound<'py, PyArray3<f64>>, Bound<'py, PyArray1<f64>>);
+type Tracks<'py> = (Array1<'py, f64>, Array3<'py, f64>, Array3<'py, f64>, Array1<'py, f64>);
 
 #[pymethods]
 impl Course {
@@ -122,13 +119,13 @@ impl Course {
     }
 
     /// Returns the velocities (B, 3) in m/s of some points (B,) at the start.
-    fn speeds<'py>(&self, py: Python<'py>, points: Vec<usize>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn speeds<'py>(&self, py: Python<'py>, points: Vec<usize>) -> PyResult<Array2<'py, f64>> {
         let inner = self.inner();
         give::rows(py, &points.iter().map(|&point| inner.moving(point)[0]).collect::<Vec<_>>())
     }
 
     /// Returns the places (B, 3) in m at which beads move with some points (B,) from the start on.
-    fn resting<'py>(&self, scene: &Bound<'py, Scene>, points: Vec<usize>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn resting<'py>(&self, scene: &Bound<'py, Scene>, points: Vec<usize>) -> PyResult<Array2<'py, f64>> {
         let (py, model, bead) = (scene.py(), scene.get().model(), scene.get().inner.bead());
         let places = attend(py, None, |mut control| self.inner().resting(&model, bead, &points, &mut control))?;
         give::rows(py, &places)
@@ -178,7 +175,7 @@ impl Scene {
         &self,
         velocities: &Bound<'py, PyAny>,
         accelerations: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    ) -> PyResult<Array2<'py, f64>> {
         let (particle, medium) = (self.inner.bead().particle, self.inner.medium());
         let pair = (read::vectors("velocities", velocities)?, read::vectors("accelerations", accelerations)?);
         let needed: Vec<_> = pair.0.iter().zip(&pair.1).map(|(&v, &a)| particle.needed(medium, v, a)).collect();

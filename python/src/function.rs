@@ -1,10 +1,9 @@
 //! Functions in Python: a solver, of G, targets and weights; and a cost, by which a solver compares its candidates.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use midair::solvers::{ActiveRequest, Configured, Energy, Info, unused};
-use midair::{Choice, Complex32, Control, Error, Problem, Solution, Solve, Workspace};
-use numpy::IntoPyArray;
+use midair::{Error, Solution, Solve, Workspace};
 
 use crate::prelude::*;
 
@@ -16,8 +15,9 @@ static INFO: Info = Info::new("function", "a function in Python", "the caller's 
 pub(crate) struct Raised(Arc<Mutex<Option<PyErr>>>);
 
 impl Raised {
-    pub(crate) fn keep(&self, error: PyErr) {
+    fn keep(&self, error: PyErr, item: &str, name: &str) -> Error {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+        Error::invalid(item, name, "it raised an exception")
     }
 
     pub(crate) fn check(&self) -> PyResult<()> {
@@ -30,7 +30,7 @@ pub(crate) struct Function {
     solver: Py<PyAny>,
     keywords: Option<Py<PyDict>>,
     name: String,
-    raised: Raised,
+    pub(crate) raised: Raised,
 }
 
 impl Function {
@@ -50,11 +50,6 @@ impl Function {
     pub(crate) fn choice(&self, py: Python<'_>) -> PyResult<Choice> {
         let options = read::options(self.keywords.as_ref().map(|keywords| keywords.bind(py)))?;
         Ok(Choice { name: self.name.clone(), options, balance: None, aim: None })
-    }
-
-    /// Returns a shared reference to the exception that the function has raised, if any.
-    pub(crate) fn raised(&self) -> Raised {
-        self.raised.clone()
     }
 
     /// Returns the function as a configured method, like those of the registry.
@@ -82,10 +77,8 @@ impl Function {
 impl Solve for Function {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let matrix = problem.plain_propagation().matrix(control)?;
-        let drive = Python::attach(|py| self.call(py, matrix, problem)).map_err(|error| {
-            self.raised.keep(error);
-            Error::invalid("solver", &self.name, "it raised an exception")
-        })?;
+        let drive = Python::attach(|py| self.call(py, matrix, problem));
+        let drive = drive.map_err(|error| self.raised.keep(error, "solver", &self.name))?;
         Solution::checked(problem, drive, work, control).map_err(|error| {
             let item = format!("{} by {}", error.item, self.name);
             if error.is_stop() { error } else { error.about(item) }
@@ -100,7 +93,7 @@ impl Solve for Function {
 /// A Python function of the candidates' pressures (K, M), targets (M,) and weights (M,); and the exception that it raised.
 pub(crate) struct Objective {
     function: Py<PyAny>,
-    raised: Raised,
+    pub(crate) raised: Raised,
 }
 
 impl Objective {
@@ -117,11 +110,6 @@ impl Objective {
             }
             _ => Ok((None, Some(options.clone()))),
         }
-    }
-
-    /// Returns a shared reference to the exception that the function has raised, if any.
-    pub(crate) fn raised(&self) -> Raised {
-        self.raised.clone()
     }
 
     /// Returns the solver with this cost function. The label of the objective is the function's name, or that of its class.
@@ -148,16 +136,8 @@ impl Objective {
 
 impl Energy for Objective {
     fn evaluate(&self, fields: &[Complex32], request: &ActiveRequest, values: &mut [f64]) -> Result<(), Error> {
-        let result = Python::attach(|py| self.call(py, fields, request, values.len()));
-        match result {
-            Ok(list) => {
-                values.copy_from_slice(&list);
-                Ok(())
-            }
-            Err(error) => {
-                self.raised.keep(error);
-                Err(Error::invalid("objective", "a function", "it raised an exception"))
-            }
-        }
+        let list = Python::attach(|py| self.call(py, fields, request, values.len()));
+        values.copy_from_slice(&list.map_err(|error| self.raised.keep(error, "objective", "a function"))?);
+        Ok(())
     }
 }

@@ -1,4 +1,4 @@
-//! Macro for the read-only properties of a Python class, one per line.
+//! Macros for classes: read-only properties, one per line, and hashes.
 
 /// Declares properties of a class. Each has documentation, a name, `py` if it needs it, a type and a value.
 macro_rules! getters {
@@ -17,4 +17,20 @@ macro_rules! getters {
     };
 }
 
-pub(crate) use getters;
+/// Makes the hash of a class of some of its parts.
+macro_rules! hashed {
+    ($class:ident: $this:ident => $parts:expr) => {
+        impl std::hash::Hash for $class {
+            fn hash<H: std::hash::Hasher>(&$this, state: &mut H) {
+                std::hash::Hash::hash(&$parts, state);
+            }
+        }
+    };
+}
+
+/// Returns what is hashed of a number. Equal values need equal hashes, and 0 equals -0: adding 0 turns -0 into 0.
+pub(crate) fn bits(x: f64) -> u64 {
+    (x + 0.0).to_bits()
+}
+
+pub(crate) use {getters, hashed};

@@ -1,9 +1,9 @@
 //! `midair.gorkov`, `midair.rest` and their results.
 
-use midair::{Bead, Complex32, Model, Particle};
+use midair::{Bead, Particle};
 
 use crate::bead::read_bead;
-use crate::give::rows;
+use crate::give::{rows, threes};
 use crate::prelude::*;
 use crate::solution::{about, played};
 
@@ -32,14 +32,14 @@ pickled!(Gorkov: potential: Vec<f64>, force: Vec<[f64; 3]>, hessian: Vec<[[f64; 
 impl Gorkov {
     /// Stiffness -dF_x/dx, -dF_y/dy, -dF_z/dz (P, 3) in N/m: above 0 where the force pulls back.
     #[getter]
-    fn stiffness<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn stiffness<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py, f64>> {
         let diagonal = |hessian: &[[f64; 3]; 3]| [0, 1, 2].map(|axis| hessian[axis][axis]);
         rows(py, &self.hessian.iter().map(diagonal).collect::<Vec<_>>())
     }
 
     /// Net force (P, 3) in N: force plus weight minus buoyancy.
     #[getter]
-    fn net<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn net<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py, f64>> {
         let net = |force: &[f64; 3]| [0, 1, 2].map(|axis| force[axis] + self.weight[axis]);
         rows(py, &self.force.iter().map(net).collect::<Vec<_>>())
     }
@@ -58,20 +58,19 @@ getters! {
     Gorkov:
 
     /// Potential (P,) in J of the force without the push of travelling waves; Gor'kov's for small spheres.
-    potential(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.potential.clone());
+    potential(self, py) -> Array1<'py, f64> = give::list(py, self.potential.clone());
 
     /// Weight minus buoyancy (3,) in N.
-    weight(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.weight.to_vec());
+    weight(self, py) -> Array1<'py, f64> = give::list(py, self.weight.to_vec());
 
     /// Effective mass in kg: the sphere's own mass and half the mass of the air that it displaces.
     mass(self, _py) -> f64 = self.mass;
 
     /// Force of sound (P, 3) in N, without gravity.
-    force(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, &self.force);
+    force(self, py) -> PyResult<Array2<'py, f64>> = rows(py, &self.force);
 
     /// Symmetric part of -dF_i/dx_a (P, 3, 3) in N/m, whose diagonal is the stiffness.
-    hessian(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> =
-        give::list(py, self.hessian.as_flattened().as_flattened().to_vec()).reshape([self.hessian.len(), 3, 3]);
+    hessian(self, py) -> PyResult<Array3<'py, f64>> = threes(py, &self.hessian);
 }
 
 /// Places of rest of beads that start at P points, and the forces that restore them; from `midair.rest`.
@@ -102,16 +101,16 @@ pickled!(Rest: place: Vec<[f64; 3]>, held: Vec<bool>, stiffness: Vec<[f64; 3]>, 
 impl Rest {
     /// Natural frequencies (P, 3) in Hz, sqrt(stiffness/mass)/(2 pi), the lowest first.
     #[getter]
-    fn frequencies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn frequencies<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py, f64>> {
         let frequency = |k: f64| (k / self.mass).sqrt() / std::f64::consts::TAU;
         rows(py, &self.stiffness.iter().map(|stiffness| stiffness.map(frequency)).collect::<Vec<_>>())
     }
 
     /// The largest acceleration (P, 3, 2) in m/s^2 with which a bead is pulled back: restoring/mass.
     #[getter]
-    fn acceleration<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let all = self.restoring.as_flattened().as_flattened();
-        give::list(py, all.iter().map(|force| force / self.mass).collect::<Vec<_>>()).reshape([all.len() / 6, 3, 2])
+    fn acceleration<'py>(&self, py: Python<'py>) -> PyResult<Array3<'py, f64>> {
+        let over = |forces: &[[f64; 2]; 3]| forces.map(|ends| ends.map(|force| force / self.mass));
+        threes(py, &self.restoring.iter().map(over).collect::<Vec<_>>())
     }
 
     fn __len__(&self) -> usize {
@@ -128,26 +127,23 @@ getters! {
     Rest:
 
     /// Places (P, 3) in m where the net force is 0; or where an untrapped bead was lost.
-    place(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, &self.place);
+    place(self, py) -> PyResult<Array2<'py, f64>> = rows(py, &self.place);
 
     /// Whether each bead is trapped (P,): the net force pulls it back from all sides, within a wavelength of the start.
-    held(self, py) -> Bound<'py, PyArray1<bool>> = give::list(py, self.held.clone());
+    held(self, py) -> Array1<'py, bool> = give::list(py, self.held.clone());
 
     /// Stiffness (P, 3) in N/m along the axes, the smallest first: the eigenvalues of `hessian`.
-    stiffness(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, &self.stiffness);
+    stiffness(self, py) -> PyResult<Array2<'py, f64>> = rows(py, &self.stiffness);
 
     /// Axes (P, 3, 3): three unit vectors as rows.
-    axes(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> =
-        give::list(py, self.axes.as_flattened().as_flattened().to_vec()).reshape([self.axes.len(), 3, 3]);
+    axes(self, py) -> PyResult<Array3<'py, f64>> = threes(py, &self.axes);
 
     /// Range in m along each axis (P, 3, 2), in the negative and the positive direction, in which the net force pulls back;
     /// at most a wavelength.
-    basin(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> =
-        give::list(py, self.basin.as_flattened().as_flattened().to_vec()).reshape([self.basin.len(), 3, 2]);
+    basin(self, py) -> PyResult<Array3<'py, f64>> = threes(py, &self.basin);
 
     /// Largest restoring force in N along each axis (P, 3, 2), in the negative and the positive direction.
-    restoring(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> =
-        give::list(py, self.restoring.as_flattened().as_flattened().to_vec()).reshape([self.place.len(), 3, 2]);
+    restoring(self, py) -> PyResult<Array3<'py, f64>> = threes(py, &self.restoring);
 
     /// Effective mass in kg: the bead's own mass and half the mass of the air that it displaces.
     mass(self, _py) -> f64 = self.mass;

@@ -1,13 +1,11 @@
 //! The core of `midair.grad`: a quantity of the field at points, and its gradients.
 
-use midair::{Bead, Complex64, Model, Quantity};
-use numpy::IntoPyArray;
-use pyo3::types::PyTuple;
+use midair::{Bead, Quantity};
 
 use crate::array::Array;
 use crate::bead::read_bead;
 use crate::give::fresh;
-use crate::numbers::{NUMBER, Numbers, REAL, misshapen, numbers};
+use crate::numbers::{NUMBER, Numbers, REAL, numbers, shaped};
 use crate::prelude::*;
 use crate::solution::{Solution, about, played};
 
@@ -48,29 +46,21 @@ fn cotangent(quantity: Quantity, value: &Bound<'_, PyAny>, count: usize) -> PyRe
     match quantity {
         Quantity::Pressure => {
             let cure = format!("give one number, or one for each of the {count} points");
-            let Numbers { values, shape } = numbers::<Complex64>("cotangent", value, NUMBER, &cure)?;
-            let values = match shape[..] {
-                [] => values.repeat(count),
-                [length] if length == count => values,
-                _ => return Err(misshapen("cotangent", &shape, &cure)),
-            };
-            Ok(values.iter().flat_map(|w| [w.re, w.im]).collect())
+            let values = numbers::<Complex64>("cotangent", value, NUMBER, &cure)?;
+            Ok(values.repeated("cotangent", &cure, &[count])?.iter().flat_map(|w| [w.re, w.im]).collect())
         }
         _ if quantity.width() == 1 => read::list("cotangent", value, count),
         _ => {
             let cure = format!("give one real number, or three for each of the {count} points: ({count}, 3)");
-            let Numbers { values, shape } = numbers("cotangent", value, REAL, &cure)?;
-            match shape[..] {
-                [] => Ok(values.repeat(3 * count)),
-                [length, 3] if length == count => Ok(values),
-                _ => Err(misshapen("cotangent", &shape, &cure)),
-            }
+            let fits = |shape: &[usize]| shape.is_empty() || *shape == [count, 3];
+            let Numbers { values, shape } = shaped("cotangent", value, REAL, &cure, fits)?;
+            Ok(if shape.is_empty() { values.repeat(3 * count) } else { values })
         }
     }
 }
 
 /// Returns the values (M,) or (M, 3) as a NumPy array.
-fn shaped(py: Python<'_>, quantity: Quantity, value: Vec<f64>) -> PyResult<Bound<'_, PyAny>> {
+fn array_of(py: Python<'_>, quantity: Quantity, value: Vec<f64>) -> PyResult<Bound<'_, PyAny>> {
     Ok(match quantity {
         Quantity::Pressure => {
             let pairs = value.as_chunks::<2>().0.iter().map(|&[re, im]| Complex64::new(re, im));
@@ -103,14 +93,14 @@ pub(crate) fn gradient<'py>(
     let threads = limits::threads(py)?;
     let Some(cotangent) = cotangent else {
         let value = attend(py, None, |control| quantity.value(&model, &drive, &points, &mut control.on(threads)))?;
-        return PyTuple::new(py, [shaped(py, quantity, value)?]);
+        return PyTuple::new(py, [array_of(py, quantity, value)?]);
     };
     let cotangent = self::cotangent(quantity, &cotangent, points.len())?;
     let by = attend(py, None, |control| {
         midair::gradient(&model, &drive, &points, quantity, &cotangent, &mut control.on(threads))
     })?;
     let parts = [
-        shaped(py, quantity, by.value)?,
+        array_of(py, quantity, by.value)?,
         by.drive.into_pyarray(py).into_any(),
         fresh(py, &by.points)?.into_any(),
         fresh(py, &by.positions)?.into_any(),

@@ -1,9 +1,7 @@
 //! `midair.judge`: metrics of a drive. `midair.bound`: an upper bound of the level that any drive can reach.
 
-use midair::{Complex32, Control, OptionValue, Precision, SolveRequest, Threads, Value};
-use numpy::{PyReadonlyArray2, PyUntypedArray, PyUntypedArrayMethods};
-use pyo3::exceptions::PyTypeError;
-use pyo3::types::PyString;
+use midair::{Precision, SolveRequest, Threads};
+use numpy::PyUntypedArray;
 
 use crate::metrics::{BatchMetrics, Metrics};
 use crate::numbers::refuse_hidden;
@@ -111,7 +109,6 @@ pub(crate) fn bound(
 #[pyo3(signature = (
     scene, drive=None, *, points=None, pressures=None, weights=None, mask=None, precision=None, threads=None, progress=None
 ))]
-#[allow(clippy::too_many_arguments, reason = "Python's keywords")]
 pub(crate) fn judge<'py>(
     py: Python<'py>,
     scene: &Bound<'py, PyAny>,
@@ -124,7 +121,8 @@ pub(crate) fn judge<'py>(
     threads: Argument<'_, 'py>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let precision = precision.map_or(Ok(Precision::default()), read_precision)?;
+    let precision = precision
+        .map_or(Ok(Precision::default()), |value| read::word("precision", value, "give \"single\" or \"double\""))?;
     let beside = Beside { pressures, weights, mask, ..Beside::default() };
     if let Some(drives) = drive.filter(|drive| points.is_some() || is_table(drive)) {
         let work = Work { precision, threads: limits::at_most(py, threads)?, progress };
@@ -143,13 +141,6 @@ pub(crate) fn judge<'py>(
     };
     let judge = |mut control: Control<'_>| subject.problem(false, &mut control)?.judge(&drive, precision, &mut control);
     Ok(Bound::new(py, Metrics::from(attend(py, None, judge)?))?.into_any())
-}
-
-fn read_precision(value: &Bound<'_, PyAny>) -> PyResult<Precision> {
-    match value.extract::<String>() {
-        Ok(name) => Precision::read("precision", &Value::Text(name)).map_err(refused),
-        Err(_) => Err(invalid("precision", &quoted(value), "give \"single\" or \"double\"")),
-    }
 }
 
 /// Returns whether `drive` has several drives, as rows.

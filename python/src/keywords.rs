@@ -1,6 +1,6 @@
 //! Keyword arguments of a call: those of air and transducers, and the rest.
 
-use midair::{Extras, Medium};
+use midair::Medium;
 
 use crate::array::Array;
 use crate::bead::read_bead;

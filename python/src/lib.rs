@@ -1,5 +1,7 @@
 //! The Python binding: NumPy in, NumPy out, the GIL released. It reads arguments and calls the core once.
 
+#![allow(clippy::too_many_arguments, reason = "they are keywords in Python")]
+
 mod array;
 mod batch;
 mod bead;

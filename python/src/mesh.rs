@@ -1,14 +1,10 @@
 //! `midair.Mesh`, and its boundary equations, which Python's linear algebra solves.
 
-use std::hash::{Hash, Hasher};
-use std::sync::Arc;
-
-use midair::{Complex32, Model, Obstacle, OptionValue, Surface, Value};
-use numpy::PyReadonlyArray2;
+use midair::{Obstacle, OptionValue, Surface, Value};
 use pyo3::types::PyBytes;
 
 use crate::give::rows;
-use crate::numbers::{Numbers, misshapen, numbers};
+use crate::numbers::shaped;
 use crate::prelude::*;
 use crate::toolbox;
 
@@ -50,11 +46,7 @@ impl PartialEq for Mesh {
     }
 }
 
-impl Hash for Mesh {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        (self.inner.faces(), self.inner.volume().to_bits()).hash(state);
-    }
-}
+hashed!(Mesh: self => (self.inner.faces(), bits(self.inner.volume())));
 
 #[pymethods]
 impl Mesh {
@@ -96,10 +88,10 @@ impl Mesh {
     fn from_file(
         py: Python<'_>,
         path: &Bound<'_, PyAny>,
-        scale: Option<&Bound<'_, PyAny>>,
-        offset: Option<&Bound<'_, PyAny>>,
-        rotation: Option<&Bound<'_, PyAny>>,
-        up: Option<&Bound<'_, PyAny>>,
+        scale: Argument<'_, '_>,
+        offset: Argument<'_, '_>,
+        rotation: Argument<'_, '_>,
+        up: Argument<'_, '_>,
         kind: &str,
     ) -> PyResult<Self> {
         let kind = surface("kind", kind)?;
@@ -112,7 +104,7 @@ impl Mesh {
 
     /// Faces (F, 3), three indices of vertices each.
     #[getter]
-    fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+    fn faces<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py, u32>> {
         let flat = PyArray1::from_slice(py, self.inner.faces().as_flattened());
         flat.reshape([self.inner.faces().len(), 3])
     }
@@ -140,7 +132,7 @@ getters! {
     Mesh:
 
     /// Vertices (V, 3) in m.
-    vertices(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, self.inner.vertices());
+    vertices(self, py) -> PyResult<Array2<'py, f64>> = rows(py, self.inner.vertices());
 
     /// "rigid" or "soft".
     kind(self) -> &'static str = self.inner.kind().name();
@@ -158,20 +150,10 @@ impl Mesh {
 /// Reads the faces (F, 3) of a mesh.
 pub(crate) fn indices(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     let (item, cure) = ("mesh.faces", "give whole numbers of shape (F, 3), indices of vertices");
-    let Numbers { values, shape } = numbers::<f64>(item, value, "iu", cure)?;
-    match shape[..] {
-        _ if values.is_empty() => Ok(Vec::new()),
-        [_, 3] => {
-            // A negative index becomes the largest one, so that the core rejects it and names the face.
-            Ok(values
-                .as_chunks()
-                .0
-                .iter()
-                .map(|face| face.map(|v| if v < 0.0 { u32::MAX } else { v as u32 }))
-                .collect())
-        }
-        _ => Err(misshapen(item, &shape, cure)),
-    }
+    let numbers = shaped::<f64>(item, value, "iu", cure, |shape| matches!(shape, [_, 3]) || shape.contains(&0))?;
+    // A negative index becomes the largest one, so that the core rejects it and names the face.
+    let indices = |face: &[f64; 3]| face.map(|v| if v < 0.0 { u32::MAX } else { v as u32 });
+    Ok(numbers.values.as_chunks().0.iter().map(indices).collect())
 }
 
 /// The boundary equations of a scene's meshes; their solution is the sound on the elements.
@@ -182,26 +164,20 @@ pub(crate) struct Boundary {
 
 #[pymethods]
 impl Boundary {
-    /// Number of elements E and of transducers N.
-    #[getter]
-    fn shape(&self) -> (usize, usize) {
-        (self.inner.elements(), self.inner.transducers())
-    }
-
     /// Returns all parameters on which the sound depends, as bytes to be hashed.
     fn content<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &self.inner.content())
     }
 
     /// Returns the matrix of the equations (E, E).
-    fn matrix<'py>(&self, py: Python<'py>, progress: Option<Py<PyAny>>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
+    fn matrix<'py>(&self, py: Python<'py>, progress: Option<Py<PyAny>>) -> PyResult<Array2<'py, Complex32>> {
         let threads = limits::threads(py)?;
         let matrix = attend(py, progress, |control| self.inner.matrix(&mut control.on(threads)))?;
         PyArray1::from_vec(py, matrix).reshape([self.inner.elements(); 2])
     }
 
     /// Returns the right-hand sides of the equations (E, N): the incident wave of each transducer at each element.
-    fn incident<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
+    fn incident<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py, Complex32>> {
         let threads = limits::threads(py)?;
         let incident = attend(py, None, |control| self.inner.incident(&mut control.on(threads)))?;
         PyArray1::from_vec(py, incident).reshape([self.inner.elements(), self.inner.transducers()])
@@ -213,6 +189,13 @@ impl Boundary {
         let (sound, threads) = (sound.as_slice()?, limits::threads(py)?);
         attend(py, None, |control| self.inner.left_inside(sound, &mut control.on(threads)))
     }
+}
+
+getters! {
+    Boundary:
+
+    /// Number of elements E and of transducers N.
+    shape(self) -> (usize, usize) = (self.inner.elements(), self.inner.transducers());
 }
 
 /// Returns a model with obstacles. If there are meshes among them, Python solves their boundary equations.

@@ -1,7 +1,5 @@
 //! `midair.Metrics` and `midair.BatchMetrics`.
 
-use std::hash::{Hash, Hasher};
-
 use midair::Metrics as Core;
 
 use crate::prelude::*;
@@ -24,7 +22,7 @@ macro_rules! define {
         getters! { Metrics: $($(#[$text])* $name(self) -> f64 = self.0.$name;)* }
         getters! {
             BatchMetrics:
-            $($(#[$text])* $name(self, py) -> Bound<'py, PyArray1<f64>> =
+            $($(#[$text])* $name(self, py) -> Array1<'py, f64> =
                 give::list(py, self.inner.iter().map(|metrics| metrics.$name).collect());)*
         }
     };
@@ -37,12 +35,7 @@ impl From<Core> for Metrics {
     }
 }
 
-impl Hash for Metrics {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        // Equal values need equal hashes, and 0 equals -0: adding 0 turns -0 into 0.
-        self.0.values().map(|value| (value + 0.0).to_bits()).hash(state);
-    }
-}
+hashed!(Metrics: self => self.0.values().map(bits));
 
 #[pymethods]
 impl Metrics {

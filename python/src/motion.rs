@@ -27,18 +27,6 @@ impl Motion {
         Ok(Some(Self(motion)))
     }
 
-    /// The scene; its points are those of the first frame.
-    #[getter]
-    fn scene(&self) -> PyResult<Scene> {
-        Scene::of(self.0.scene.clone())
-    }
-
-    /// All paths of the file at the same time, or the path through the frames of its file.
-    #[getter]
-    fn path(&self) -> Path {
-        Path::from(self.0.path.clone())
-    }
-
     /// The other keys of `[motion]`, as `midair.sequence` takes them.
     #[getter]
     fn settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -60,4 +48,14 @@ impl Motion {
     fn placed(&self, error: &Bound<'_, PyAny>) -> PyResult<Option<PyErr>> {
         Ok(self.0.placed(&error_of(error)?).map(refused))
     }
+}
+
+getters! {
+    Motion:
+
+    /// The scene; its points are those of the first frame.
+    scene(self) -> PyResult<Scene> = Scene::of(self.0.scene.clone());
+
+    /// All paths of the file at the same time, or the path through the frames of its file.
+    path(self) -> Path = Path::from(self.0.path.clone());
 }

@@ -1,12 +1,10 @@
 //! Frames of moving points, for `midair.sequence` and `midair.stream`: the core has their rules and solves them.
 
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Mutex, MutexGuard};
 
 use midair::sequence::{self, Table, Tracks};
 use midair::solvers;
-use midair::{Choice, Complex32, Extras, InstructionSet, MovingSolver, OptionValue, Options, Pace, Played, Trajectory};
-use numpy::PyReadonlyArray2;
-use pyo3::exceptions::PyTypeError;
+use midair::{InstructionSet, MovingSolver, OptionValue, Options, Pace, Played, Trajectory};
 
 use crate::array::Array;
 use crate::error::warn;
@@ -104,7 +102,6 @@ impl Moving {
     #[pyo3(signature = (
         array, points, targets, solver, *, rate, pascals, joined, change, change_rate, tau, closed, ahead, aim, **entries
     ))]
-    #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
     fn new<'py>(
         array: &Bound<'py, PyAny>,
         points: &Bound<'py, PyAny>,
@@ -122,11 +119,7 @@ impl Moving {
         entries: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Self> {
         let py = array.py();
-        let Ok(array) = array.cast::<Array>() else {
-            let kind = array.get_type().qualname()?;
-            return Err(PyTypeError::new_err(format!("expected a midair.Array first, not {kind}")));
-        };
-        let array = array.get();
+        let array = array.cast::<Array>().map_err(|_| unexpected(array, "a midair.Array", ""))?.get();
         let pace = Pace { closed, ..pace(rate, change, change_rate, tau)? };
         pace.closes(joined).map_err(|mut error| {
             // As Python writes it.
@@ -270,13 +263,13 @@ getters! {
     Moving:
 
     /// Points (T, M, 3) in m.
-    points(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> = {
+    points(self, py) -> PyResult<Array3<'py, f64>> = {
         let [frames, count] = self.shape();
         give::list(py, self.request.points.as_flattened().to_vec()).reshape([frames, count, 3])
     };
 
     /// Targets (T, M) in Pa.
-    targets(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = give::table(py, self.request.targets.clone(), self.shape());
+    targets(self, py) -> PyResult<Array2<'py, f64>> = give::table(py, self.request.targets.clone(), self.shape());
 
     /// Frames per second.
     rate(self) -> f64 = self.request.rate;
@@ -322,12 +315,6 @@ impl Horizon {
         Ok(Self(Mutex::new(sequence::Horizon::new(tracks, ahead))))
     }
 
-    /// How many frames can be pushed before the next one is solved.
-    #[getter]
-    fn wanted(&self) -> PyResult<usize> {
-        Ok(self.inner()?.wanted())
-    }
-
     /// Adds a frame of points (M, 3) in m and targets (M,) in Pa.
     fn push(&self, points: &Bound<'_, PyAny>, targets: &Bound<'_, PyAny>) -> PyResult<()> {
         let points = read::vectors("points", points)?;
@@ -337,7 +324,7 @@ impl Horizon {
     }
 
     /// Returns the drive (N,) of the next frame, None after the last. Fewer frames than wanted are the last ones.
-    fn advance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<Complex32>>>> {
+    fn advance<'py>(&self, py: Python<'py>) -> PyResult<Option<Array1<'py, Complex32>>> {
         let mut guard = self.inner()?;
         let (horizon, threads) = (&mut *guard, limits::threads(py)?);
         let drive = attend(py, None, |control| {
@@ -349,4 +336,11 @@ impl Horizon {
         })?;
         Ok(drive.map(|drive| give::list(py, drive)))
     }
+}
+
+getters! {
+    Horizon:
+
+    /// How many frames can be pushed before the next one is solved.
+    wanted(self) -> PyResult<usize> = Ok(self.inner()?.wanted());
 }

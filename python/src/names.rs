@@ -1,7 +1,6 @@
 //! Finds the names of solvers and presets; case, "-" and "_" do not matter.
 
 use midair::{Error, presets, solvers};
-use pyo3::exceptions::PyTypeError;
 
 use crate::prelude::*;
 

@@ -2,7 +2,7 @@
 
 use midair::files::Node;
 use pyo3::IntoPyObjectExt;
-use pyo3::types::{PyInt, PyList, PyString, PyTuple};
+use pyo3::types::{PyInt, PyList};
 
 use crate::numbers::{DEEPEST, Numbers, REAL, array};
 use crate::prelude::*;

@@ -40,6 +40,34 @@ impl<T: Element + Copy> Numbers<T> {
     }
 }
 
+impl<T: Copy> Numbers<T> {
+    /// Returns the numbers if their shape fits.
+    pub(crate) fn fitting(self, item: &str, cure: &str, fits: impl FnOnce(&[usize]) -> bool) -> PyResult<Self> {
+        if fits(&self.shape) { Ok(self) } else { Err(misshapen(item, &self.shape, cure)) }
+    }
+
+    /// Returns numbers of a size such as (B, M). (M,) apply to each of B, a single number to all.
+    pub(crate) fn repeated(self, item: &str, cure: &str, size: &[usize]) -> PyResult<Vec<T>> {
+        match &self.shape[..] {
+            [] => Ok(self.values.repeat(size.iter().product())),
+            [length] if size.last() == Some(length) => Ok(self.values.repeat(size[..size.len() - 1].iter().product())),
+            shape if shape == size => Ok(self.values),
+            shape => Err(misshapen(item, shape, cure)),
+        }
+    }
+}
+
+/// Reads the numbers of an argument whose type is one of `kinds`, and whose shape fits.
+pub(crate) fn shaped<T: Element + Copy>(
+    item: &str,
+    value: &Bound<'_, PyAny>,
+    kinds: &str,
+    cure: &str,
+    fits: impl FnOnce(&[usize]) -> bool,
+) -> PyResult<Numbers<T>> {
+    numbers(item, value, kinds, cure)?.fitting(item, cure, fits)
+}
+
 /// Returns a shape as text for an error.
 pub(crate) fn reported(shape: &[usize]) -> String {
     let sizes: Vec<String> = shape.iter().map(ToString::to_string).collect();
@@ -123,7 +151,6 @@ fn as_array<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
 /// ndarray
 #[pyfunction]
 #[pyo3(name = "numbers", signature = (item, value, shapes, cure, *, kinds=REAL, least=None, most=None, copy=true))]
-#[allow(clippy::too_many_arguments, reason = "keywords of Python")]
 pub(crate) fn checked<'py>(
     item: &str,
     value: &Bound<'py, PyAny>,

@@ -1,8 +1,7 @@
 //! Arrays for results, `out`: checked before a solve, then written.
 
-use midair::Complex32;
 use numpy::ndarray::Dimension;
-use numpy::{BorrowError, PyArray, PyReadwriteArray, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{BorrowError, PyArray, PyReadwriteArray, PyUntypedArray};
 
 use crate::numbers::{refuse_hidden, reported};
 use crate::prelude::*;

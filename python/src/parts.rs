@@ -1,8 +1,6 @@
 //! Parts of an array: conversion from Python and back. They are the keywords of all constructors of arrays.
 
 use midair::{Array, Directivity, Part, PartKind, PartValue};
-use pyo3::exceptions::PyTypeError;
-use pyo3::types::IntoPyDict;
 
 use crate::prelude::*;
 use crate::quantization::{self, read_quantization};

@@ -2,8 +2,6 @@
 
 use midair::files::{self, Drawing, Node};
 use midair::points;
-use numpy::IntoPyArray;
-use pyo3::types::PyTuple;
 
 use crate::node;
 use crate::numbers::{REAL, numbers};
@@ -68,7 +66,7 @@ impl Path {
         places.as_flattened().to_vec().into_pyarray(py).reshape([places.len() / points, points, 3])
     }
 
-    fn values<'py>(&self, py: Python<'py>, values: Vec<f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn values<'py>(&self, py: Python<'py>, values: Vec<f64>) -> PyResult<Array2<'py, f64>> {
         let points = self.path.points();
         let frames = values.len() / points;
         values.into_pyarray(py).reshape([frames, points])
@@ -100,40 +98,11 @@ impl Path {
 
     /// Makes the path through frames (K, M, 3) at a rate, with pressures (K, M) or None.
     #[staticmethod]
-    fn _through(
-        points: &Bound<'_, PyAny>,
-        rate: f64,
-        closed: bool,
-        pressures: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
+    fn _through(points: &Bound<'_, PyAny>, rate: f64, closed: bool, pressures: Argument<'_, '_>) -> PyResult<Self> {
         let (places, [frames, count]) = read::batch_of_points("points", points)?;
         let targets = pressures.map(|all| read::batch_of_numbers("pressures", all, [frames, count])).transpose()?;
         let path = points::Path::through(places, count, rate, closed, targets.as_deref());
         Self::new(points.py(), path, "_through", (points, rate, closed, pressures))
-    }
-
-    /// M, the number of points, the same at all times.
-    #[getter]
-    fn points(&self) -> usize {
-        self.path.points()
-    }
-
-    /// Duration in s.
-    #[getter]
-    fn duration(&self) -> f64 {
-        self.path.duration()
-    }
-
-    /// Whether the end joins the start, so that the path can repeat for ever.
-    #[getter]
-    fn closed(&self) -> bool {
-        self.path.closed()
-    }
-
-    /// Whether targets are in Pa (pressures were given); otherwise they are factors from 0 to 1.
-    #[getter]
-    fn pascals(&self) -> bool {
-        self.path.pascals()
     }
 
     /// Return places at some times; a closed path repeats, an open one rests before and after.
@@ -172,7 +141,7 @@ impl Path {
     /// ------
     /// SceneError
     ///     For times that are no finite numbers.
-    fn targets<'py>(&self, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn targets<'py>(&self, times: &Bound<'py, PyAny>) -> PyResult<Array2<'py, f64>> {
         self.values(times.py(), self.each(times, |moment| moment.target)?)
     }
 
@@ -192,7 +161,7 @@ impl Path {
     /// ------
     /// SceneError
     ///     For times that are no finite numbers.
-    fn speed<'py>(&self, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn speed<'py>(&self, times: &Bound<'py, PyAny>) -> PyResult<Array2<'py, f64>> {
         self.values(times.py(), self.each(times, |moment| moment.speed)?)
     }
 
@@ -214,7 +183,7 @@ impl Path {
     /// ------
     /// SceneError
     ///     For a rate that gives less than two frames, too many at once, or too few for the modulation.
-    fn frames<'py>(&self, rate: &Bound<'py, PyAny>) -> PyResult<(Places<'py>, Bound<'py, PyArray2<f64>>)> {
+    fn frames<'py>(&self, rate: &Bound<'py, PyAny>) -> PyResult<(Places<'py>, Array2<'py, f64>)> {
         let (py, rate) = (rate.py(), read::real("rate", rate)?);
         let frames = py.detach(|| self.path.frames(rate)).map_err(refused)?;
         Ok((self.places(py, &frames.points)?, self.values(py, frames.targets)?))
@@ -268,7 +237,7 @@ impl Path {
     /// SceneError
     ///     For paths that do not join without a fade, or of which one has pressures and one has none.
     #[pyo3(signature = (other, fade=None))]
-    fn then(slf: &Bound<'_, Self>, other: &Bound<'_, PyAny>, fade: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+    fn then(slf: &Bound<'_, Self>, other: &Bound<'_, PyAny>, fade: Argument<'_, '_>) -> PyResult<Self> {
         let seconds = fade.map(|fade| read::real("fade", fade)).transpose()?;
         let path = slf.get().path.then(&Self::other(other)?.path, seconds);
         Self::new(slf.py(), path, "then", (slf, other, seconds))
@@ -303,8 +272,8 @@ impl Path {
     fn with_am(
         slf: &Bound<'_, Self>,
         frequency: &Bound<'_, PyAny>,
-        shape: Option<&Bound<'_, PyAny>>,
-        depth: Option<&Bound<'_, PyAny>>,
+        shape: Argument<'_, '_>,
+        depth: Argument<'_, '_>,
     ) -> PyResult<Self> {
         Self::modulated(slf, frequency, shape, depth, None)
     }
@@ -333,9 +302,9 @@ impl Path {
     fn modulated(
         slf: &Bound<'_, Self>,
         frequency: &Bound<'_, PyAny>,
-        shape: Option<&Bound<'_, PyAny>>,
-        depth: Option<&Bound<'_, PyAny>>,
-        samples_rate: Option<&Bound<'_, PyAny>>,
+        shape: Argument<'_, '_>,
+        depth: Argument<'_, '_>,
+        samples_rate: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let entry = node::read("frequency", frequency)?;
         let sampled = samples_rate.is_some() || matches!(entry, Node::List(_) | Node::Numbers(_));
@@ -367,4 +336,20 @@ impl Path {
         let closed = if self.closed() { "True" } else { "False" };
         Ok(format!("Path(points={}, duration={duration}, closed={closed})", self.points()))
     }
+}
+
+getters! {
+    Path:
+
+    /// M, the number of points, the same at all times.
+    points(self) -> usize = self.path.points();
+
+    /// Duration in s.
+    duration(self) -> f64 = self.path.duration();
+
+    /// Whether the end joins the start, so that the path can repeat for ever.
+    closed(self) -> bool = self.path.closed();
+
+    /// Whether targets are in Pa (pressures were given); otherwise they are factors from 0 to 1.
+    pascals(self) -> bool = self.path.pascals();
 }

@@ -40,7 +40,6 @@ macro_rules! pickled {
         #[pymethods]
         impl $class {
             #[staticmethod]
-            #[allow(clippy::too_many_arguments, reason = "as many as it has fields")]
             fn _restore($($field: $type),+) -> Self {
                 Self { $($field),+ }
             }

@@ -1,7 +1,5 @@
 //! `midair.Plane`.
 
-use std::hash::{Hash, Hasher};
-
 use midair::Axis;
 
 use crate::prelude::*;
@@ -42,13 +40,7 @@ pub(crate) struct Plane {
     pub(crate) inner: midair::Plane,
 }
 
-impl Hash for Plane {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        // Equal values need equal hashes, and 0 equals -0: adding 0 turns -0 into 0.
-        let bits = |x: f64| (x + 0.0).to_bits();
-        (bits(self.inner.at), bits(self.inner.size), self.inner.pixels).hash(state);
-    }
-}
+hashed!(Plane: self => (bits(self.inner.at), bits(self.inner.size), self.inner.pixels));
 
 #[pymethods]
 impl Plane {
@@ -72,12 +64,8 @@ impl Plane {
         let center = match center {
             None => [0.0, 0.0],
             Some(center) => {
-                let pair: Vec<Bound<'_, PyAny>> =
-                    center.try_iter().and_then(|few| few.take(3).collect()).unwrap_or_default();
-                let [across, up] = &pair[..] else {
-                    return Err(invalid("plane.center", &quoted(center), "give two real numbers, across and up"));
-                };
-                [read::real("plane.center[0]", across)?, read::real("plane.center[1]", up)?]
+                let [across, up] = read::pair("plane.center", center, "give two real numbers, across and up")?;
+                [read::real("plane.center[0]", &across)?, read::real("plane.center[1]", &up)?]
             }
         };
         let number = |item: &str, value: Argument<'_, '_>| value.map(|value| read::real(item, value)).transpose();
@@ -159,7 +147,7 @@ getters! {
     y(self, py) -> Samples<'py> = self.samples(py, Axis::Y);
 }
 
-pub(crate) type Samples<'py> = Option<Bound<'py, PyArray1<f64>>>;
+pub(crate) type Samples<'py> = Option<Array1<'py, f64>>;
 
 impl Plane {
     pub(crate) fn samples<'py>(&self, py: Python<'py>, axis: Axis) -> Samples<'py> {
@@ -168,6 +156,5 @@ impl Plane {
 }
 
 fn read_axis(axis: &Bound<'_, PyAny>) -> PyResult<Axis> {
-    let name: String = axis.extract().map_err(|_| invalid("axis", &quoted(axis), "give \"x\", \"y\" or \"z\""))?;
-    Axis::named(&name).map_err(refused)
+    Axis::named(&read::text("axis", axis, "give \"x\", \"y\" or \"z\"")?).map_err(refused)
 }

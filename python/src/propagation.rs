@@ -1,9 +1,6 @@
 //! `midair.Propagation`.
 
-use std::hash::{Hash, Hasher};
-use std::sync::Arc;
-
-use midair::{Control, InstructionSet, Problem, Request, Setup};
+use midair::{InstructionSet, Setup};
 
 use crate::prelude::*;
 use crate::quantization::{self, read_quantization};
@@ -37,11 +34,7 @@ pub(crate) struct Propagation {
     pub(crate) inner: midair::Propagation,
 }
 
-impl Hash for Propagation {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        self.shape().hash(state);
-    }
-}
+hashed!(Propagation: self => self.shape());
 
 #[pymethods]
 impl Propagation {
@@ -50,12 +43,6 @@ impl Propagation {
     fn new(matrix: &Bound<'_, PyAny>) -> PyResult<Self> {
         let (entries, points) = read::matrix("propagation", matrix)?;
         Ok(Self { inner: midair::Propagation::from_matrix(&entries, points).map_err(refused)? })
-    }
-
-    /// Number of points M and of transducers N.
-    #[getter]
-    fn shape(&self) -> (usize, usize) {
-        (self.inner.points(), self.inner.transducers())
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
@@ -71,6 +58,13 @@ impl Propagation {
     }
 }
 
+getters! {
+    Propagation:
+
+    /// Number of points M and of transducers N.
+    shape(self) -> (usize, usize) = (self.inner.points(), self.inner.transducers());
+}
+
 /// A matrix with the setup that keywords give: a board's quantization, and places of the transducers.
 #[derive(Clone, PartialEq)]
 pub(crate) struct Matrix {
@@ -82,7 +76,7 @@ impl Matrix {
     /// Reads the keywords. A mask switches transducers of the matrix off.
     pub(crate) fn read(
         propagation: &midair::Propagation,
-        [quantization, mask, positions]: [Option<&Bound<'_, PyAny>>; 3],
+        [quantization, mask, positions]: [Argument<'_, '_>; 3],
     ) -> PyResult<Self> {
         let quantization = quantization.map(read_quantization).transpose()?.filter(|board| !board.is_continuous());
         let positions = positions.map(|value| read::vectors("positions", value)).transpose()?.map(Into::into);

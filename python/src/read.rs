@@ -2,52 +2,54 @@
 
 use midair::{Aim, Choice, Complex32, Complex64, Directivity, OptionValue, Options, Pose, Request, Start, Value};
 use numpy::Element;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
 
 use crate::error::{invalid, refused};
-use crate::numbers::{NUMBER, Numbers, REAL, array, misshapen, numbers, quoted, reported};
+use crate::numbers::{NUMBER, Numbers, REAL, array, numbers, quoted, reported, shaped};
+
+/// An argument that may be left out.
+pub(crate) type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Reads the number of boards along x and y; one by default.
-pub(crate) fn tiles(value: Option<&Bound<'_, PyAny>>) -> PyResult<[usize; 2]> {
+pub(crate) fn tiles(value: Argument<'_, '_>) -> PyResult<[usize; 2]> {
     let Some(value) = value else { return Ok([1, 1]) };
-    let pair: Vec<Bound<'_, PyAny>> = value.try_iter().and_then(|few| few.take(3).collect()).unwrap_or_default();
-    let [x, y] = &pair[..] else {
-        return Err(invalid("tiles", &quoted(value), "give two whole numbers, boards along x and y"));
-    };
-    Ok([count("tiles[0]", x)?, count("tiles[1]", y)?])
+    let [x, y] = pair("tiles", value, "give two whole numbers, boards along x and y")?;
+    Ok([count("tiles[0]", &x)?, count("tiles[1]", &y)?])
+}
+
+/// Reads two values.
+pub(crate) fn pair<'py>(item: &str, value: &Bound<'py, PyAny>, cure: &str) -> PyResult<[Bound<'py, PyAny>; 2]> {
+    let few: Vec<_> = value.try_iter().and_then(|few| few.take(3).collect()).unwrap_or_default();
+    few.try_into().map_err(|_| invalid(item, &quoted(value), cure))
+}
+
+/// The error for a first argument of another type.
+pub(crate) fn unexpected(object: &Bound<'_, PyAny>, expected: &str, cure: &str) -> PyErr {
+    let kind = object.get_type().qualname().map_or_else(|_| "this".into(), |name| name.to_string());
+    PyTypeError::new_err(format!("expected {expected} first, not {kind}{cure}"))
 }
 
 /// Reads vectors (K, 3).
 pub(crate) fn vectors(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {
     let cure = "give real numbers of shape (K, 3), in metres";
-    let Numbers { values, shape } = numbers(item, value, REAL, cure)?;
-    match shape[..] {
-        _ if values.is_empty() => Ok(Vec::new()),
-        [_, 3] => Ok(values.as_chunks().0.to_vec()),
-        _ => Err(misshapen(item, &shape, cure)),
-    }
+    let vectors = shaped(item, value, REAL, cure, |shape| matches!(shape, [_, 3]) || shape.contains(&0))?;
+    Ok(vectors.values.as_chunks().0.to_vec())
 }
 
 /// Reads one place or direction (3,).
 pub(crate) fn place(item: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
-    let cure = "give three real numbers";
-    let Numbers { values, shape } = numbers(item, value, REAL, cure)?;
-    match (values.first_chunk(), &shape[..]) {
-        (Some(place), [3]) => Ok(*place),
-        _ => Err(misshapen(item, &shape, cure)),
-    }
+    let place = shaped(item, value, REAL, "give three real numbers", |shape| *shape == [3])?.values;
+    Ok([place[0], place[1], place[2]])
 }
 
 /// Reads a rotation and a translation.
-pub(crate) fn pose(rotation: Option<&Bound<'_, PyAny>>, translation: Option<&Bound<'_, PyAny>>) -> PyResult<Pose> {
+pub(crate) fn pose(rotation: Argument<'_, '_>, translation: Argument<'_, '_>) -> PyResult<Pose> {
     let cure = "give (3,), axis times angle in rad, (4,), a quaternion w, x, y, z, or a matrix (3, 3)";
-    let rotation = rotation.map(|value| numbers("rotation", value, REAL, cure)).transpose()?;
-    let numbers = match rotation {
-        None => Vec::new(),
-        Some(Numbers { values, shape }) if matches!(shape[..], [3 | 4] | [3, 3]) => values,
-        Some(Numbers { shape, .. }) => return Err(misshapen("rotation", &shape, cure)),
-    };
+    let fits = |shape: &[usize]| matches!(shape, [3 | 4] | [3, 3]);
+    let rotation = rotation.map(|value| shaped("rotation", value, REAL, cure, fits)).transpose()?;
+    let numbers = rotation.map(|numbers| numbers.values).unwrap_or_default();
     let translation = translation.map_or(Ok([0.0; 3]), |value| place("translation", value))?;
     Pose::new(&numbers, translation).map_err(refused)
 }
@@ -55,41 +57,30 @@ pub(crate) fn pose(rotation: Option<&Bound<'_, PyAny>>, translation: Option<&Bou
 /// Reads numbers (M,); a single number applies to all M points.
 pub(crate) fn list(item: &str, value: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<f64>> {
     let cure = format!("give one real number, or one for each of the {count} points");
-    for_all(item, numbers(item, value, REAL, &cure)?, count, &cure)
+    numbers(item, value, REAL, &cure)?.repeated(item, &cure, &[count])
 }
 
 /// Reads pressures (M,); a single number applies to all M points, complex numbers have phases.
 pub(crate) fn pressures(value: &Bound<'_, PyAny>, count: usize) -> PyResult<Request> {
-    let (item, cure) = ("pressures", format!("give one real or complex number, or one for each of the {count} points"));
-    let (array, kind) = array(item, value, NUMBER, &cure)?;
-    if kind == 'c' {
-        return for_all(item, Numbers::of(&array)?, count, &cure).map(|values| Request::of_complex(&values));
-    }
-    let pressures = for_all(item, Numbers::of(&array)?, count, &cure)?;
-    Ok(Request { pressures: Some(pressures), ..Request::default() })
+    requested(value, &[count], &format!("give one real or complex number, or one for each of the {count} points"))
 }
 
-fn for_all<T: Copy>(item: &str, numbers: Numbers<T>, count: usize, cure: &str) -> PyResult<Vec<T>> {
-    let Numbers { values, shape } = numbers;
-    match shape[..] {
-        [] => Ok(values.repeat(count)),
-        [length] if length == count => Ok(values),
-        _ => Err(misshapen(item, &shape, cure)),
+fn requested(value: &Bound<'_, PyAny>, size: &[usize], cure: &str) -> PyResult<Request> {
+    let item = "pressures";
+    let (array, kind) = array(item, value, NUMBER, cure)?;
+    if kind == 'c' {
+        return Numbers::of(&array)?.repeated(item, cure, size).map(|values| Request::of_complex(&values));
     }
+    Ok(Request { pressures: Some(Numbers::of(&array)?.repeated(item, cure, size)?), ..Request::default() })
 }
 
 /// Reads one real number.
 pub(crate) fn real(item: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
-    let cure = "give one real number";
-    let Numbers { values, shape } = numbers(item, value, REAL, cure)?;
-    match (&values[..], &shape[..]) {
-        (&[value], []) => Ok(value),
-        _ => Err(misshapen(item, &shape, cure)),
-    }
+    Ok(shaped(item, value, REAL, "give one real number", <[usize]>::is_empty)?.values[0])
 }
 
 /// Reads one real number; returns the default if it is not given.
-pub(crate) fn real_or(item: &str, value: Option<&Bound<'_, PyAny>>, default: f64) -> PyResult<f64> {
+pub(crate) fn real_or(item: &str, value: Argument<'_, '_>, default: f64) -> PyResult<f64> {
     value.map_or(Ok(default), |value| real(item, value))
 }
 
@@ -116,50 +107,29 @@ fn integer(value: &Bound<'_, PyAny>) -> Option<i128> {
 /// Reads points (B, M, 3) of a batch; returns them one after the other, with B and M.
 pub(crate) fn batch_of_points(item: &str, value: &Bound<'_, PyAny>) -> PyResult<(Vec<[f64; 3]>, [usize; 2])> {
     let cure = "give real numbers of shape (B, M, 3), in metres, B and M at least 1";
-    let Numbers { values, shape } = numbers(item, value, REAL, cure)?;
-    match shape[..] {
-        [count, size, 3] if count * size > 0 => Ok((values.as_chunks().0.to_vec(), [count, size])),
-        _ => Err(misshapen(item, &shape, cure)),
-    }
+    let fits = |shape: &[usize]| matches!(shape, [count, size, 3] if count * size > 0);
+    let Numbers { values, shape } = shaped(item, value, REAL, cure, fits)?;
+    Ok((values.as_chunks().0.to_vec(), [shape[0], shape[1]]))
 }
 
 /// Returns the number of problems B from numbers (B, M).
-pub(crate) fn batch_size(item: &str, value: Option<&Bound<'_, PyAny>>, size: usize) -> PyResult<usize> {
+pub(crate) fn batch_size(item: &str, value: Argument<'_, '_>, size: usize) -> PyResult<usize> {
     let cure = format!("give numbers of shape (B, {size}), one row a problem");
     let Some(value) = value else { return Err(invalid(item, "left out", &cure)) };
-    let shape = numbers::<Complex64>(item, value, NUMBER, &cure)?.shape;
-    match shape[..] {
-        [count, columns] if columns == size && count > 0 => Ok(count),
-        _ => Err(misshapen(item, &shape, &cure)),
-    }
+    let fits = |shape: &[usize]| matches!(*shape, [count, columns] if columns == size && count > 0);
+    Ok(shaped::<Complex64>(item, value, NUMBER, &cure, fits)?.shape[0])
 }
 
 /// Reads numbers (B, M) of a batch; (M,) apply to every problem, a single number to every point.
 pub(crate) fn batch_of_numbers(item: &str, value: &Bound<'_, PyAny>, size: [usize; 2]) -> PyResult<Vec<f64>> {
     let cure = format!("give one real number, {} of them, or an array {}", size[1], reported(&size));
-    for_each(item, numbers(item, value, REAL, &cure)?, size, &cure)
+    numbers(item, value, REAL, &cure)?.repeated(item, &cure, &size)
 }
 
 /// Reads pressures (B, M) of a batch; (M,) apply to every problem, a single number to every point; complex ones have phases.
 pub(crate) fn batch_of_pressures(value: &Bound<'_, PyAny>, size: [usize; 2]) -> PyResult<Request> {
-    let item = "pressures";
     let cure = format!("give one real or complex number, {} of them, or an array {}", size[1], reported(&size));
-    let (array, kind) = array(item, value, NUMBER, &cure)?;
-    if kind == 'c' {
-        return for_each(item, Numbers::of(&array)?, size, &cure).map(|values| Request::of_complex(&values));
-    }
-    let pressures = for_each(item, Numbers::of(&array)?, size, &cure)?;
-    Ok(Request { pressures: Some(pressures), ..Request::default() })
-}
-
-fn for_each<T: Copy>(item: &str, numbers: Numbers<T>, size: [usize; 2], cure: &str) -> PyResult<Vec<T>> {
-    let Numbers { values, shape } = numbers;
-    match shape[..] {
-        [] => Ok(values.repeat(size[0] * size[1])),
-        [length] if length == size[1] => Ok(values.repeat(size[0])),
-        _ if shape == size => Ok(values),
-        _ => Err(misshapen(item, &shape, cure)),
-    }
+    requested(value, &size, &cure)
 }
 
 /// Reads the starts of a batch: complex numbers are drives (B, N), real numbers are point phases (B, M).
@@ -174,11 +144,7 @@ pub(crate) fn batch_of_starts(
     if kind != 'c' {
         return batch_of_numbers(item, value, phases).map(Starts::Phases);
     }
-    let Numbers { values, shape } = Numbers::of(&array)?;
-    if shape != drives {
-        return Err(misshapen(item, &shape, &cure));
-    }
-    Ok(Starts::Drives(rounded(&values)))
+    Ok(Starts::Drives(rounded(&Numbers::of(&array)?.fitting(item, &cure, |shape| *shape == drives)?.values)))
 }
 
 /// Reads drives (B, N) of `transducers` each; returns them one after the other, with B.
@@ -188,11 +154,9 @@ pub(crate) fn batch_of_drives(
     transducers: usize,
 ) -> PyResult<(Vec<Complex32>, usize)> {
     let cure = format!("give complex numbers of shape (B, {transducers})");
-    let Numbers { values, shape } = numbers(item, value, NUMBER, &cure)?;
-    match shape[..] {
-        [count, columns] if columns == transducers => Ok((rounded(&values), count)),
-        _ => Err(misshapen(item, &shape, &cure)),
-    }
+    let fits = |shape: &[usize]| matches!(*shape, [_, columns] if columns == transducers);
+    let Numbers { values, shape } = shaped(item, value, NUMBER, &cure, fits)?;
+    Ok((rounded(&values), shape[0]))
 }
 
 /// Starts of all problems of a batch, one after the other.
@@ -237,8 +201,7 @@ pub(crate) fn reals(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> 
 
 /// Reads values of shape (K,).
 fn one_each<T: Element + Copy>(item: &str, value: &Bound<'_, PyAny>, kinds: &str, cure: &str) -> PyResult<Vec<T>> {
-    let Numbers { values, shape } = numbers(item, value, kinds, cure)?;
-    if shape.len() == 1 { Ok(values) } else { Err(misshapen(item, &shape, cure)) }
+    Ok(shaped(item, value, kinds, cure, |shape| shape.len() == 1)?.values)
 }
 
 /// Rounds to single precision. NumPy would warn of values too large for it; here they become infinite, and are rejected by
@@ -250,11 +213,8 @@ fn rounded(values: &[Complex64]) -> Vec<Complex32> {
 /// Reads a complex matrix (M, N); returns its entries and M.
 pub(crate) fn matrix(item: &str, value: &Bound<'_, PyAny>) -> PyResult<(Vec<Complex64>, usize)> {
     let cure = "give numbers of shape (M, N): points by transducers";
-    let Numbers { values, shape } = numbers(item, value, NUMBER, cure)?;
-    match shape[..] {
-        [points, _] => Ok((values, points)),
-        _ => Err(misshapen(item, &shape, cure)),
-    }
+    let Numbers { values, shape } = shaped(item, value, NUMBER, cure, |shape| shape.len() == 2)?;
+    Ok((values, shape[0]))
 }
 
 /// Reads a directivity: a name, or a dict with one name and its parameter.
@@ -303,18 +263,13 @@ pub(crate) fn option(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
             .map(Value::Integer)
             .ok_or_else(|| invalid(item, &quoted(value), "give a number of at most 64 bits"));
     }
-    let cure = "give a number, a word or a list of whole numbers";
     if let Some(number) = integer(value) {
         return Ok(Value::Integer(number));
     }
     if let Ok(number) = real(item, value) {
         return Ok(Value::Real(number));
     }
-    let Numbers { values, shape } = numbers(item, value, "iu", cure)?;
-    match shape[..] {
-        [_] => Ok(Value::Integers(values)),
-        _ => Err(misshapen(item, &shape, cure)),
-    }
+    one_each(item, value, "iu", "give a number, a word or a list of whole numbers").map(Value::Integers)
 }
 
 /// Returns options as a Python dict.
@@ -338,21 +293,24 @@ pub(crate) fn option_object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bou
 }
 
 /// Reads pressures and weights of `count` points.
-pub(crate) fn request(
-    count: usize,
-    pressures: Option<&Bound<'_, PyAny>>,
-    weights: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Request> {
+pub(crate) fn request(count: usize, pressures: Argument<'_, '_>, weights: Argument<'_, '_>) -> PyResult<Request> {
     let request = pressures.map_or_else(|| Ok(Request::default()), |value| self::pressures(value, count))?;
     Ok(Request { weights: weights.map(|value| list("weights", value, count)).transpose()?, ..request })
 }
 
 /// Reads an aim by its name.
 pub(crate) fn aim(aim: &Bound<'_, PyAny>) -> PyResult<Aim> {
-    match aim.extract::<String>() {
-        Ok(name) => Aim::read("aim", &Value::Text(name)).map_err(refused),
-        Err(_) => Err(invalid("aim", &quoted(aim), "give \"target\" or \"max\"")),
-    }
+    word("aim", aim, "give \"target\" or \"max\"")
+}
+
+/// Reads a text.
+pub(crate) fn text(item: &str, value: &Bound<'_, PyAny>, cure: &str) -> PyResult<String> {
+    value.extract().map_err(|_| invalid(item, &quoted(value), cure))
+}
+
+/// Reads one of a few words.
+pub(crate) fn word<T: OptionValue>(item: &str, value: &Bound<'_, PyAny>, cure: &str) -> PyResult<T> {
+    T::read(item, &Value::Text(text(item, value, cure)?)).map_err(refused)
 }
 
 /// Reads True or False.
@@ -366,12 +324,11 @@ pub(crate) fn name(value: &Bound<'_, PyAny>) -> PyResult<String> {
         let cure = "give a name; a function solves one scene at a time, by midair.solve";
         return Err(invalid("solver", &quoted(value), cure));
     }
-    let cure = "give a name as text; pressures go by keyword, pressures=";
-    value.extract().map_err(|_| invalid("solver", &quoted(value), cure))
+    text("solver", value, "give a name as text; pressures go by keyword, pressures=")
 }
 
 /// Rejects a callback that cannot be called; `arguments` describes its arguments in the error.
-pub(crate) fn callback(value: Option<&Bound<'_, PyAny>>, arguments: &str) -> PyResult<()> {
+pub(crate) fn callback(value: Argument<'_, '_>, arguments: &str) -> PyResult<()> {
     match value {
         Some(callback) if !callback.is_callable() => {
             Err(invalid("progress", &quoted(callback), &format!("give a function of ({arguments})")))

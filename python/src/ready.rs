@@ -1,8 +1,8 @@
 //! Ready: an array prepared for a medium, stored beside the array and reused by the next scene with both.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
-use midair::{Extras, InstructionSet, Medium, Model, Notice, Obstacle, Workspace};
+use midair::{InstructionSet, Medium, Notice, Obstacle, Workspace};
 
 use crate::mesh::behind;
 use crate::prelude::*;

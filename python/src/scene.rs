@@ -1,13 +1,9 @@
 //! `midair.Scene`.
 
-use std::hash::{Hash, Hasher};
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use midair::files::{Format, Provenance};
-use midair::{Complex32, Control, Extras, Medium, Notice, Request};
-use pyo3::exceptions::PyTypeError;
-use pyo3::types::IntoPyDict;
+use midair::{Medium, Notice};
 
 use crate::array::Array;
 use crate::bead;
@@ -90,13 +86,7 @@ impl PartialEq for Scene {
     }
 }
 
-impl Hash for Scene {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        // Equal values need equal hashes, and 0 equals -0: adding 0 turns -0 into 0.
-        (self.inner.points().len(), self.inner.points()[0].map(|x| (x + 0.0).to_bits())).hash(state);
-        (self.inner.array().len(), self.inner.medium().frequency.to_bits()).hash(state);
-    }
-}
+hashed!(Scene: self => (self.inner.points().len(), self.inner.points()[0].map(bits), bits(self.inner.medium().frequency)));
 
 impl Scene {
     /// Makes a scene from one of the core.
@@ -211,10 +201,8 @@ impl Scene {
         pressures: Argument<'_, '_>,
         keys: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let array = array.cast::<Array>().map_err(|_| {
-            let kind = array.get_type().qualname().map_or_else(|_| "this".into(), |name| name.to_string());
-            PyTypeError::new_err(format!("expected a midair.Array first, not {kind}: give midair.Scene(array, points)"))
-        })?;
+        let wrong = |_| unexpected(array, "a midair.Array", ": give midair.Scene(array, points)");
+        let array = array.cast::<Array>().map_err(wrong)?;
         let keywords = Keywords::of(py, keys)?.with([("points", Some(points)), ("pressures", pressures)])?;
         Self::read(array.get().clone(), None, &keywords)?.reported(py, &[])
     }
@@ -303,7 +291,7 @@ impl Scene {
     /// SceneError
     ///     For parts that no file can store, such as a signature of your own factors.
     #[pyo3(signature = (solution=None))]
-    fn json(&self, solution: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
+    fn json(&self, solution: Argument<'_, '_>) -> PyResult<String> {
         let (mut scene, mut provenance) = (midair::Scene::clone(&self.inner), Provenance::default());
         if let Some(solution) = solution {
             let part = |name: &str| solution.getattr(name);
@@ -388,7 +376,7 @@ impl Scene {
     ///     For a point nearer than lambda/100 to a transducer.
     /// MemoryError
     ///     For more than MIDAIR_MEMORY allows.
-    fn propagation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
+    fn propagation<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py, Complex32>> {
         let matrix = |mut control: Control<'_>| self.model().propagation(self.inner.points())?.matrix(&mut control);
         let matrix = attend(py, None, matrix)?;
         give::table(py, matrix, [self.inner.points().len(), self.inner.array().len()])
@@ -444,10 +432,10 @@ getters! {
     Scene:
 
     /// Points (M, 3) in m.
-    points(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, self.inner.points());
+    points(self, py) -> PyResult<Array2<'py, f64>> = rows(py, self.inner.points());
 
     /// Weights (M,) as given, or None.
-    weights(self, py) -> Option<Bound<'py, PyArray1<f64>>> =
+    weights(self, py) -> Option<Array1<'py, f64>> =
         self.inner.request().weights.clone().map(|weights| give::list(py, weights));
 
     /// The numbers of the air by name, as the constructor takes them.
@@ -504,9 +492,9 @@ getters! {
     Reach:
 
     /// The highest pressure at each point alone (M,) in Pa: the sum of |G|.
-    alone(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.alone.clone());
+    alone(self, py) -> Array1<'py, f64> = give::list(py, self.alone.clone());
 
     /// The balanced level (M,) in Pa: the pressures that the array can make at all points together, in the ratios of the
     /// requested pressures. It assumes points at least a focal width apart.
-    level(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.level.clone());
+    level(self, py) -> Array1<'py, f64> = give::list(py, self.level.clone());
 }

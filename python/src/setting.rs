@@ -1,8 +1,7 @@
 //! Common part of `midair.Solver` and `solve_batch`: makes a session from transducers, a solver and keywords.
 
 use midair::solvers::Configured;
-use midair::{Choice, Control, Extras, Model, Problem, Request, Session, Setup};
-use pyo3::exceptions::PyTypeError;
+use midair::{Session, Setup};
 
 use crate::array::Array;
 use crate::bead;
@@ -130,12 +129,7 @@ impl Setting {
         let (array, medium, mut extras) = match (scene, object.cast::<Array>()) {
             (Some(scene), _) => (scene.array(), Some(scene.inner.medium()), scene.inner.extras()),
             (None, Ok(array)) => (array.get().clone(), None, Extras::default()),
-            (None, Err(_)) => {
-                let kind = object.get_type().qualname()?;
-                return Err(PyTypeError::new_err(format!(
-                    "expected a midair.Scene, midair.Array or midair.Propagation first, not {kind}"
-                )));
-            }
+            _ => return Err(unexpected(object, "a midair.Scene, midair.Array or midair.Propagation", "")),
         };
         keywords.write_extras(&mut extras, array.inner.len())?;
         let medium = keywords.medium(medium, &array)?;

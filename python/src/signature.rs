@@ -1,9 +1,9 @@
 //! The argument `signature`, factors that turn foci into traps: conversion from Python and back.
 
-use midair::{Complex64, Signature};
-use pyo3::types::{PyList, PyString};
+use midair::Signature;
+use pyo3::types::PyList;
 
-use crate::numbers::{NUMBER, Numbers, misshapen, numbers};
+use crate::numbers::{NUMBER, shaped};
 use crate::prelude::*;
 
 /// Reads a signature: a name, a list with a name or None for each point, or factors (N,) or (M, N) for N `transducers`.
@@ -23,11 +23,8 @@ pub(crate) fn read_signature(value: &Bound<'_, PyAny>, transducers: usize) -> Py
         return Ok(Signature::Each(each.into()));
     }
     let cure = "give \"trap\", \"twin\", \"vortex\" or complex factors of shape (N,) or (M, N)";
-    let Numbers { values, shape } = numbers::<Complex64>("signature", value, NUMBER, cure)?;
-    if shape.len() > 2 || shape.last() != Some(&transducers) {
-        return Err(misshapen("signature", &shape, cure));
-    }
-    Ok(Signature::Given(values.into()))
+    let fits = |shape: &[usize]| shape.len() <= 2 && shape.last() == Some(&transducers);
+    Ok(Signature::Given(shaped::<Complex64>("signature", value, NUMBER, cure, fits)?.values.into()))
 }
 
 /// Returns a signature in the form in which it was given, its factors as complex128.

@@ -1,11 +1,8 @@
 //! The model of `midair.skin`: the spectrum of radiation pressure, the membrane, and the tactile channels.
 
+use midair::InstructionSet;
 use midair::touch::{self, Channel};
-use midair::{Complex32, Complex64, InstructionSet};
-use numpy::{
-    IntoPyArray, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyReadonlyArrayDyn,
-    PyUntypedArrayMethods,
-};
+use numpy::{PyArrayDyn, PyReadonlyArray1, PyReadonlyArray3, PyReadonlyArrayDyn};
 use pyo3::types::PyComplex;
 
 use crate::array::Array;
@@ -15,7 +12,7 @@ use crate::prelude::*;
 const SKIN: [f64; 3] = touch::Membrane::SKIN;
 
 /// Displacement (L, P) in m, and how far it exceeds the thresholds of the slow and of the fast channel, (P,) each.
-type Moved<'py> = (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+type Moved<'py> = (Array2<'py, Complex32>, Array1<'py, f64>, Array1<'py, f64>);
 
 /// An infinite membrane: wave speed in m/s, loss factor, and mass in kg/m^2. All arrays are in C order.
 #[pyclass(frozen, module = "midair._midair")]
@@ -37,7 +34,7 @@ impl Membrane {
     }
 
     /// Return s (L,) in 1/m for frequencies (L,) in Hz: waves decay as e^(-Re(s) r) with the phase Im(s) r.
-    fn decay<'py>(&self, py: Python<'py>, frequencies: PyReadonlyArray1<'py, f64>) -> Bound<'py, PyArray1<Complex64>> {
+    fn decay<'py>(&self, py: Python<'py>, frequencies: PyReadonlyArray1<'py, f64>) -> Array1<'py, Complex64> {
         frequencies.as_array().iter().map(|&each| self.0.decay(each)).collect::<Vec<_>>().into_pyarray(py)
     }
 
@@ -93,10 +90,7 @@ impl Pushes {
 
     /// Return frequencies (L,) in Hz, the mean (P,) in Pa and complex amplitudes (L, P) in Pa.
     #[allow(clippy::type_complexity, reason = "as Python unpacks it")]
-    fn lines<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f32>>, Bound<'py, PyArray2<Complex32>>)> {
+    fn lines<'py>(&self, py: Python<'py>) -> PyResult<(Array1<'py, f64>, Array1<'py, f32>, Array2<'py, Complex32>)> {
         let frequencies = self.0.frequencies().to_vec();
         let shape = [frequencies.len(), self.1];
         let lines = self.0.lines().to_vec().into_pyarray(py).reshape(shape)?;
@@ -110,11 +104,7 @@ fn channel(fast: bool) -> Channel {
 
 /// Return the smallest vibration (L,) in m that the fast or the slow channel perceives at frequencies (L,) in Hz.
 #[pyfunction]
-pub(crate) fn threshold<'py>(
-    py: Python<'py>,
-    fast: bool,
-    frequencies: PyReadonlyArray1<'py, f64>,
-) -> Bound<'py, PyArray1<f64>> {
+pub(crate) fn threshold<'py>(py: Python<'py>, fast: bool, frequencies: PyReadonlyArray1<'py, f64>) -> Array1<'py, f64> {
     frequencies.as_array().iter().map(|&each| channel(fast).threshold(each)).collect::<Vec<_>>().into_pyarray(py)
 }
 
@@ -125,17 +115,14 @@ pub(crate) fn excess<'py>(
     fast: bool,
     frequencies: PyReadonlyArray1<'py, f64>,
     squares: PyReadonlyArray2<'py, f32>,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
+) -> PyResult<Array1<'py, f64>> {
     let places = squares.shape()[1];
     Ok(channel(fast).excess(frequencies.as_slice()?, squares.as_slice()?, places).into_pyarray(py))
 }
 
 /// Return (L,) whether each spectral line (L, P) is above rounding errors at some place.
 #[pyfunction]
-pub(crate) fn live_lines<'py>(
-    py: Python<'py>,
-    lines: PyReadonlyArray2<'py, Complex32>,
-) -> PyResult<Bound<'py, PyArray1<bool>>> {
+pub(crate) fn live_lines<'py>(py: Python<'py>, lines: PyReadonlyArray2<'py, Complex32>) -> PyResult<Array1<'py, bool>> {
     Ok(touch::live_lines(lines.as_slice()?, lines.shape()[1]).into_pyarray(py))
 }
 
@@ -145,7 +132,7 @@ pub(crate) fn strength<'py>(
     py: Python<'py>,
     slow: PyReadonlyArray1<'py, f64>,
     fast: PyReadonlyArray1<'py, f64>,
-) -> Bound<'py, PyArray1<f64>> {
+) -> Array1<'py, f64> {
     let pairs = slow.as_array().into_iter().copied().zip(fast.as_array().iter().copied()).collect::<Vec<_>>();
     pairs.into_iter().map(|(slow, fast)| touch::strength(slow, fast)).collect::<Vec<_>>().into_pyarray(py)
 }
@@ -192,7 +179,7 @@ impl Shifted {
         py: Python<'py>,
         shifts: &Bound<'py, PyAny>,
         loads: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyArray1<Complex32>>> {
+    ) -> PyResult<Array1<'py, Complex32>> {
         let (shifts, loads, set) = (
             read::complexes("shifts", shifts)?,
             read::drive("loads", loads)?,

@@ -1,10 +1,6 @@
 //! `midair.Solution`.
 
-use std::hash::{Hash, Hasher};
-use std::sync::Arc;
-
-use midair::{Complex32, Request, Status};
-use pyo3::exceptions::PyTypeError;
+use midair::Status;
 
 use crate::metrics::Metrics;
 use crate::pickle::{part, part_or_none};
@@ -52,12 +48,7 @@ impl PartialEq for Solution {
     }
 }
 
-impl Hash for Solution {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        (self.inner.drive.len(), self.inner.steps, &self.choice.name).hash(state);
-        Metrics::from(self.inner.metrics()).hash(state);
-    }
-}
+hashed!(Solution: self => (self.inner.steps, &self.choice.name, Metrics::from(self.inner.metrics())));
 
 impl Solution {
     /// Returns G with its setup, and the request.
@@ -75,7 +66,7 @@ impl Solution {
 impl Solution {
     /// Sound pressure levels (M,) in dB at the points: 20 log10(|p| / sqrt(2) / 20 uPa); -inf where there is silence.
     #[getter]
-    fn spl<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+    fn spl<'py>(&self, py: Python<'py>) -> Array1<'py, f64> {
         let level = |p: &Complex32| midair::spl(f64::from(p.re).hypot(f64::from(p.im)));
         give::list(py, self.inner.pressures.iter().map(level).collect())
     }
@@ -165,25 +156,25 @@ getters! {
     Solution:
 
     /// Drives q (N,), complex64, |q| <= 1.
-    drive(self, py) -> Bound<'py, PyArray1<Complex32>> = give::list(py, self.inner.drive.clone());
+    drive(self, py) -> Array1<'py, Complex32> = give::list(py, self.inner.drive.clone());
 
     /// Phases (N,) in rad in [0, 2 pi); 0 where the drive is 0.
-    phases(self, py) -> Bound<'py, PyArray1<f64>> =
+    phases(self, py) -> Array1<'py, f64> =
         give::list(py, (0..self.inner.drive.len()).map(|i| self.inner.phase(i)).collect());
 
     /// Amplitudes (N,), 0 to 1.
-    amplitudes(self, py) -> Bound<'py, PyArray1<f64>> =
+    amplitudes(self, py) -> Array1<'py, f64> =
         give::list(py, (0..self.inner.drive.len()).map(|i| self.inner.amplitude(i)).collect());
 
     /// Complex pressures (M,) in Pa (peak), complex64.
-    pressures(self, py) -> Bound<'py, PyArray1<Complex32>> = give::list(py, self.inner.pressures.clone());
+    pressures(self, py) -> Array1<'py, Complex32> = give::list(py, self.inner.pressures.clone());
 
     /// Radiation pressures (M,) in Pa, |p|^2/(rho c^2).
-    radiation(self, py) -> Bound<'py, PyArray1<f64>> =
+    radiation(self, py) -> Array1<'py, f64> =
         give::list(py, (0..self.inner.pressures.len()).map(|j| self.inner.radiation(j)).collect());
 
     /// Targets (M,) in Pa, to which the metrics refer.
-    targets(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.inner.targets().to_vec());
+    targets(self, py) -> Array1<'py, f64> = give::list(py, self.inner.targets().to_vec());
 
     /// Quality of the drive.
     metrics(self) -> Metrics = self.inner.metrics().into();
@@ -206,7 +197,7 @@ getters! {
     elapsed(self) -> f64 = self.elapsed;
 
     /// The residual after each step (steps,), or None without a trace.
-    trace(self, py) -> Option<Bound<'py, PyArray1<f64>>> = self.trace.clone().map(|trace| give::list(py, trace));
+    trace(self, py) -> Option<Array1<'py, f64>> = self.trace.clone().map(|trace| give::list(py, trace));
 
     /// The solver's name.
     solver(self) -> &str = &self.choice.name;
@@ -236,11 +227,8 @@ pub(crate) fn about<'py>(
         }
         return Ok((Bound::new(scene.py(), origin)?, scene.clone(), drive.or(place)));
     }
-    let Ok(scene) = scene.cast::<Scene>() else {
-        let kind = scene.get_type().qualname()?;
-        let text = "expected a midair.Scene or a midair.Solution first";
-        return Err(PyTypeError::new_err(format!("{text}, not {kind}: midair.Scene(array, points) makes one")));
-    };
+    let cure = ": midair.Scene(array, points) makes one";
+    let scene = scene.cast::<Scene>().map_err(|_| unexpected(scene, "a midair.Scene or a midair.Solution", cure))?;
     let drive = drive.ok_or_else(|| invalid("drive", "None", "give one (N,), or a Solution alone"))?;
     Ok((scene.clone(), drive, place))
 }

@@ -82,7 +82,6 @@ use crate::subject::{Beside, Subject};
     scene, solver=None, *, pressures=None, weights=None, quantization=None, mask=None, positions=None, balance=None,
     aim=None, start=None, progress=None, trace=false, **options
 ))]
-#[allow(clippy::too_many_arguments, reason = "Python's keywords")]
 pub(crate) fn solve(
     py: Python<'_>,
     scene: &Bound<'_, PyAny>,

@@ -4,8 +4,8 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Instant;
 
 use midair::solvers::Last;
-use midair::{Complex32, Frames, Request, Session, SolveRequest};
-use numpy::{Ix1, Ix2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use midair::{Frames, Session, SolveRequest};
+use numpy::{Ix1, Ix2, PyReadonlyArray1};
 
 use crate::chosen::Chosen;
 use crate::metrics::Metrics;
@@ -90,8 +90,7 @@ impl Solver {
 }
 
 /// State of `glide` as Python objects.
-pub(crate) type Remembered<'py> =
-    (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f32>>, f32, Bound<'py, PyArray2<f64>>);
+pub(crate) type Remembered<'py> = (Array2<'py, Complex32>, Array1<'py, f32>, f32, Array2<'py, f64>);
 
 /// Returns the state of a solver after its last frame; None before the first.
 pub(crate) fn remembered<'py>(py: Python<'py>, last: &Last) -> PyResult<Option<Remembered<'py>>> {
@@ -297,7 +296,7 @@ impl Solver {
         points: &Bound<'py, PyAny>,
         pressures: Argument<'_, 'py>,
         margin: usize,
-    ) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
+    ) -> PyResult<Array2<'py, Complex32>> {
         let mut state = self.state()?;
         let State { session, ask, .. } = &mut *state;
         if session.given_points().is_some() {
@@ -383,11 +382,11 @@ getters! {
     Solver:
 
     /// Drives q (N,) of the last call with `out`, complex64.
-    drive(self, py) -> PyResult<Bound<'py, PyArray1<Complex32>>> =
+    drive(self, py) -> PyResult<Array1<'py, Complex32>> =
         self.answer(|solution| give::list(py, solution.drive.clone()));
 
     /// Complex pressures (M,) of the last call with `out` in Pa (peak), complex64.
-    pressures(self, py) -> PyResult<Bound<'py, PyArray1<Complex32>>> =
+    pressures(self, py) -> PyResult<Array1<'py, Complex32>> =
         self.answer(|solution| give::list(py, solution.pressures.clone()));
 
     /// Quality of the last call with `out`.

@@ -1,7 +1,6 @@
 //! First argument of `midair.solve`, `judge` and `bound`: a scene, or a matrix with keywords.
 
-use midair::{Control, Problem, Quantization, Request, Workspace};
-use pyo3::exceptions::PyTypeError;
+use midair::{Quantization, Workspace};
 
 use crate::keywords::Keywords;
 use crate::prelude::*;
@@ -54,10 +53,7 @@ impl Subject {
             let Beside { quantization, mask, positions, .. } = beside;
             return Ok(Self::Given(Matrix::read(matrix, [quantization, mask, positions])?, request));
         }
-        let kind = object.get_type().qualname()?;
-        Err(PyTypeError::new_err(format!(
-            "expected a midair.Scene or midair.Propagation first, not {kind}: give midair.Scene(array, points)"
-        )))
+        Err(unexpected(object, "a midair.Scene or midair.Propagation", ": give midair.Scene(array, points)"))
     }
 
     pub(crate) fn problem(&self, rows_follow: bool, control: &mut Control) -> Result<Problem, midair::Error> {
