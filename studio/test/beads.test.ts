@@ -88,6 +88,12 @@ test("a scene whose points are moved keeps its bead", () => {
   expect(flown(true)).toEqual(flown(false));
 }, SLOW);
 
+test("a rate that is none of frames is refused, and frames fly at another rate too", () => {
+  const [flight] = flown([[0, 0, 0]], 4);
+  for (const rate of [1e-300, 1e300, NaN, -1]) expect(() => door.fly(0, rate)).toThrow(/rate is .*: give/);
+  expect(door.fly(0, 2000).places).toHaveLength(flight.places.length * 2);
+}, SLOW);
+
 test("frames that were not followed are not flown", () => {
   door.open(JSON.stringify({ array: { preset: "openmpd_pair" }, points: [{ position: [0, 0, 0] }] }));
   expect(() => door.fly(0, 1000)).toThrow(/drives is 0/);

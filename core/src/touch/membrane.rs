@@ -41,10 +41,11 @@ impl Membrane {
     /// Creates a membrane from its wave speed in m/s, loss factor, and mass in kg/m^2.
     ///
     /// # Errors
-    /// Numbers that are not above 0 and finite.
+    /// Numbers outside of 1e-6 to 1e6, with which single precision would not hold the motion.
     pub fn new(speed: f64, loss: f64, mass: f64) -> Result<Self> {
         for (item, value) in [("speed", speed), ("loss", loss), ("mass", mass)] {
-            refuse_if!(!(value > 0.0 && value.is_finite()), Error::out_of_range(item, value, "give a number above 0"));
+            let within = (1e-6..=1e6).contains(&value);
+            refuse_if!(!within, Error::out_of_range(item, value, "give a number from 1e-6 to 1e6"));
         }
         let elastic = Complex64::new(1.0, loss);
         let root = math::sqrt(math::hypot(1.0, loss)) * math::phasor(turn(elastic) / 2.0);

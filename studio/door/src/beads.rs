@@ -1,7 +1,7 @@
 //! Beads: simulates beads in the traps of the frames that `follow` has solved.
 
 use midair::flight::{BeadStart, Course, Envelope};
-use midair::{Control, Error, Result};
+use midair::{Control, Error, Result, frame_rate};
 
 use crate::studio::Studio;
 
@@ -13,7 +13,8 @@ impl Studio {
     /// which it was lost or NaN, its largest distance from its point in m until then, and its places (F, 3) in m at the frames
     /// of all laps.
     pub(crate) fn fly(&mut self, point: usize, rate: f64) -> Result<()> {
-        if self.course.is_none() {
+        let rate = frame_rate(rate)?;
+        if self.course.as_ref().is_none_or(|course| course.rate() != rate) {
             let (drives, places) = (core::mem::take(&mut self.frames), core::mem::take(&mut self.places));
             let envelope = Envelope { rate, tau: TAU, linear: false };
             let course = self

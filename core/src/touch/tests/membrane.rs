@@ -62,8 +62,8 @@ fn the_motion_is_the_sum_of_that_by_each_place_alone() {
 #[test]
 fn a_wrong_sheet_or_load_raises_an_error() {
     let refused = |membrane: Result<Membrane, Error>| membrane.expect_err("refused").to_string();
-    assert_eq!(refused(Membrane::new(0.0, 0.4, 6.4)), "speed is 0: give a number above 0");
-    assert_eq!(refused(Membrane::new(6.0, 0.4, f64::NAN)), "mass is NaN: give a number above 0");
+    assert_eq!(refused(Membrane::new(0.0, 0.4, 6.4)), "speed is 0: give a number from 1e-6 to 1e6");
+    assert_eq!(refused(Membrane::new(6.0, 0.4, f64::NAN)), "mass is NaN: give a number from 1e-6 to 1e6");
     let short = membrane().moved(&[100.0], &[Complex32::ONE; 5], [2, 3], 1e-3, &mut Control::none());
     assert_eq!(short.expect_err("refused").to_string(), "lines is 5 numbers: give 2 x 3 for each of 1 frequencies");
 }
