@@ -14,7 +14,7 @@ impl Studio {
     /// of all laps.
     pub(crate) fn fly(&mut self, point: usize, rate: f64) -> Result<()> {
         let rate = frame_rate(rate)?;
-        if self.course.as_ref().is_none_or(|course| course.rate() != rate) {
+        if self.course.as_ref().is_none_or(|course| course.rate().to_bits() != rate.to_bits()) {
             let (drives, places) = (core::mem::take(&mut self.frames), core::mem::take(&mut self.places));
             let envelope = Envelope { rate, tau: TAU, linear: false };
             let course = self
