@@ -1,4 +1,4 @@
-//! Schema: all keys of a scene file, each with its meaning and an example, for editors and error messages.
+//! Keys of a scene file, each with its meaning and an example; `book/schema.py` makes the JSON Schema of them.
 
 use crate::files::source::Format;
 use crate::prelude::*;

@@ -1,4 +1,4 @@
-//! Field p = G q of a drive: at any points over all threads, and at the points of a problem.
+//! Field p = G q of a drive, at any points or at those of a problem; the loop is `kernels/propagate/field.rs`.
 
 use crate::kernels;
 use crate::kernels::{ControlPoints, InstructionSet, Rows, padded};

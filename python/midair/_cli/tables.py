@@ -1,4 +1,4 @@
-"""Tables and lines of text on standard output."""
+"""Tables and lines that `solve`, `compare` and other commands print."""
 
 import io
 import sys

@@ -1,4 +1,4 @@
-/** Notices: the sentences of errors and warnings, by their codes. */
+/** Notices: the English and Japanese sentences of errors and warnings, by their codes. */
 
 // notices.json has, by code, the English sentence of the page's own notices and the Japanese sentence of all. The codes of the
 // core, and their English sentences, are its own (docs/errors.md).
