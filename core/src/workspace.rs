@@ -10,6 +10,9 @@ use crate::prelude::*;
 /// The number of f32 in a cache line.
 const LINE: usize = 16;
 
+/// The largest number of buffers for whose return a pool reserves space. Lists that leave it in solutions may never return.
+const MOST_OUT: usize = 256;
+
 /// Unused buffers of one type, ready to be used again.
 #[derive(Debug, Default)]
 pub struct Pool<T> {
@@ -60,7 +63,7 @@ impl<T> Pool<T> {
         }
         self.made.set(self.made.get() + 1);
         let room = self.made.get().saturating_sub(free.len());
-        free.reserve(room);
+        free.reserve(room.min(MOST_OUT));
         Vec::with_capacity(len)
     }
 

@@ -1,10 +1,11 @@
 """Requests above the existing or allowed memory fail before the allocation;
-the message has N, M and the bytes.
+the message has N, M and the bytes. Many calls take no more memory and no more files than a few.
 """
 
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -94,3 +95,99 @@ def test_the_limit_can_be_set() -> None:
             check=False,
         ).stderr
     )
+
+
+#: Repeats some calls. Prints those after which memory or files stay in use, with the bytes of a call.
+REPEATED = """
+import ctypes, gc, os, pickle, warnings
+import midair, numpy as np
+
+class Info(ctypes.Structure):
+    names = "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost"
+    _fields_ = [(name, ctypes.c_size_t) for name in names.split()]
+
+mallinfo = ctypes.CDLL(None).mallinfo2
+mallinfo.restype = Info
+
+def in_use():
+    gc.collect()
+    info = mallinfo()
+    return info.uordblks + info.hblkhd
+
+def files():
+    gc.collect()
+    return sorted(os.readlink(f"/proc/self/fd/{name}") for name in os.listdir("/proc/self/fd") if name != "3")
+
+def quietly(call, *errors):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            call()
+        except errors:
+            pass
+
+def played():
+    with midair.connect("nano16:loop") as connection:
+        connection.send(np.ones(16))
+
+def stored():
+    sequence.save("sequence.npz")
+    assert midair.Sequence.load("sequence.npz") == sequence
+    scene.save("scene.toml")
+    assert midair.Scene.load("scene.toml") == scene
+    solution.save("drive.npz")
+
+array, point = midair.Array.grid(4, 4, pitch=0.01), [[0, 0, 0.1]]
+frames = np.array([point, [[1e-4, 0, 0.1]]])
+scene = midair.Scene(array, point, 10)
+solution, solver, board = midair.solve(scene), midair.Solver(array, "glide"), midair.Board("nano16")
+sequence = midair.sequence(array, frames, rate=1000)
+moving = {"rate": 1000, "signature": "trap", "aim": "max"}
+calls = {
+    "array": lambda: array.moved(translation=[0, 0, 1]),
+    "scene": lambda: midair.Scene.parse(midair.Scene(array, point, temperature=20).json()),
+    "solve": lambda: midair.solve(scene),
+    "fast": lambda: midair.solve(scene, "fast", trace=True),
+    "batch": lambda: midair.solve_batch(array, frames, solver="fast", threads=1),
+    "solver": lambda: midair.Solver(array, "fast")(point),
+    "follow": lambda: (solver.reset(), solver.follow(frames), solver.restore(*solver.last())),
+    "field": lambda: midair.field(solution, point),
+    "judge": lambda: midair.judge(solution),
+    "gorkov": lambda: midair.gorkov(solution, point),
+    "propagation": lambda: midair.Propagation(scene.propagation().copy()),
+    "pickle": lambda: pickle.loads(pickle.dumps((solution, scene, solver))),
+    "sequence": lambda: midair.sequence(array, frames, rate=1000),
+    "board": lambda: board.decode(board.encode(solution)),
+    "error": lambda: quietly(lambda: midair.Scene(array, [[0, 0, 1e9]]), midair.SceneError),
+    "warning": lambda: quietly(lambda: midair.Scene(array, point, frequency=40)),
+}
+for name, call in calls.items():
+    for _ in range(400):
+        call()
+    before = in_use()
+    for _ in range(1600):
+        call()
+    if (each := (in_use() - before) / 1600) > 16:
+        print(name, each)
+for call in (stored, played):
+    call()
+    before = files()
+    call()
+    if (after := files()) != before:
+        print(call.__name__, before, after)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="the memory in use is that of glibc")
+def test_many_calls_take_no_more_memory_and_files(tmp_path: Path) -> None:
+    # An allocator of Python's own would hide objects that are never freed.
+    environment = {"PYTHONMALLOC": "malloc", "OPENBLAS_NUM_THREADS": "1"}
+    ran = subprocess.run(
+        [sys.executable, "-c", REPEATED],
+        env=os.environ | environment,
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
+    assert (ran.stdout, ran.stderr) == ("", "")

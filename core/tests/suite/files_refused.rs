@@ -79,8 +79,11 @@ fn every_slip_of_the_pen_is_refused_by_line_column_item_and_cure() {
     let table = include_str!("files_refused.txt").replace("\\n", "\r");
     let cases = table.lines().skip(1).map(|line| {
         let fields: Vec<String> = line.split(" | ").map(|field| field.replace('\r', "\n")).collect();
-        let [part, other, reported, example] = &fields[..] else { panic!("{line}") };
-        (with(part, other), reported.clone(), if example == "-" { String::new() } else { example.clone() })
+        let [part, other, code, reported, example] = &fields[..] else { panic!("{line}") };
+        let text = with(part, other);
+        let error = read(text.as_bytes(), Format::Toml).expect_err(&text);
+        assert_eq!(error.code.name(), code, "{error}");
+        (text, reported.clone(), if example == "-" { String::new() } else { example.clone() })
     });
     let cases: Vec<_> = cases.collect();
     assert!(cases.len() > 70);

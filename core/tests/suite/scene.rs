@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use midair::solvers::{DEFAULT, Glide, Uniform, remarks};
+use midair::solvers::{DEFAULT, Glide, Remark, Uniform, remarks};
 use midair::{
-    Array, Bead, Choice, Complex32, Control, Extras, InstructionSet, Model, Obstacle, Options, Particle, Plane,
+    Array, Bead, Beyond, Choice, Complex32, Control, Extras, InstructionSet, Model, Obstacle, Options, Particle, Plane,
     Problem, Quantization, Request, Scene, Session, Signature, Solve, SolveRequest, Start, Surface, Workspace,
 };
 
@@ -95,4 +95,21 @@ fn a_solve_and_a_session_warn_of_the_same() {
     // Without a start, the phases of a lone solve are free. The next frame of a session is not.
     let (alone, followed) = told(board(32), None, None);
     assert!(alone.is_empty() && followed.len() == 1, "{alone:?}, {followed:?}");
+}
+
+#[test]
+fn each_warning_about_a_solution_has_its_code() {
+    for (remark, code) in [
+        (Remark::Beyond(Beyond::Alone { point: 0, target: 2.0, alone: 1.0 }), "beyond-reach"),
+        (Remark::Beyond(Beyond::Together { most: 0.5 }), "beyond-together"),
+        (Remark::Missed(0.1), "missed"),
+        (Remark::Weak(0.1), "weak"),
+        (Remark::PhasesUnused, "phases-unused"),
+        (Remark::Leak { leak: 0.1, quiet: 0.01, able: 9 }, "leak"),
+        (Remark::Harmonic { share: 0.3, pressure: 7e3 }, "harmonic"),
+        (Remark::Scaled(0.5), "scaled"),
+        (Remark::Still { change: 0.1, phases: 10 }, "still"),
+    ] {
+        assert_eq!(remark.notice().code.name(), code, "{remark}");
+    }
 }

@@ -351,8 +351,8 @@ def weigh(solution: Solution, frequency: float, ring_down: float, *, point: int 
         moved = np.pi * scene.density * radius**2 * (2 / 3 * radius + 3 * layer)
         density = max((mass - moved) / (4 / 3 * np.pi * radius**3), scene.density)
         bead = Bead(radius=radius, density=density, **own)
-        held = rest(scene, solution.drive, scene.points[point : point + 1], bead=bead)
-        stiff = held.stiffness[0, axis] > mass * (omega**2 + ring_down**-2)
+        resting = rest(scene, solution.drive, scene.points[point : point + 1], bead=bead)
+        stiff = resting.stiffness[0, axis] > mass * (omega**2 + ring_down**-2)
         low, high = (low, radius) if stiff else (radius, high)
     if low == ends[0] or high == ends[1]:
         cure = "no bead up to an eighth of a wavelength rings like this in the trap: check it and ring_down"
