@@ -88,7 +88,12 @@ fn refused(error: &Error, text: &str) -> Flaw {
         }
         message if message.contains("recurs") => Flaw::nested(at),
         message => {
-            let what = message.split(", expected").next().unwrap_or(message).replace("unexpected", "stray");
+            let what = if message.contains("escape") || message.contains("unicode") {
+                // Usually a path of Windows.
+                "a backslash in double quotes: take single ones".into()
+            } else {
+                message.split(", expected").next().unwrap_or(message).replace("unexpected", "stray")
+            };
             let flaw = Flaw::new(at, format!("no TOML here ({what})"));
             flaw.or_foreign(text.starts_with('{'), "no TOML, but JSON as it looks: name it .json")
         }
