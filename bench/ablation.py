@@ -140,8 +140,10 @@ def main(names: list[str]) -> None:
             less = judged(program, list(PARTS).index(part))
             for method in ("uniform", "best"):
                 cells = [cell(group, whole[method, group], less[method, group]) for group in GROUPS]
-                lines.append(f"| {part} | `{method}` | {' | '.join(cells)} |")
-                print(lines[-1], flush=True)
+                row = f"| {part} | `{method}` | {' | '.join(cells)} |".replace("|  ", "|")
+                print(row, flush=True)
+                if any(cells):
+                    lines.append(row)
     if not names:
         before, rest = PAGE.read_text("utf-8").split("<!-- ablation:begin -->")
         after = rest.split("<!-- ablation:end -->")[1]
