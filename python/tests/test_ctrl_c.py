@@ -23,7 +23,6 @@ HANG = 120
 PROGRAM = """
 import signal, sys, tempfile, time, warnings, midair, numpy as np
 warnings.simplefilter("ignore")
-signal.signal(signal.SIGPROF, lambda *_: signal.raise_signal(signal.SIGINT))
 signal.signal(signal.SIGINT, signal.default_int_handler)
 random = np.random.default_rng(0)
 def near(*shape, z=0.2):
@@ -45,12 +44,14 @@ SETUP
 def call():
     return CALL
 for moment in MOMENTS:
+    signal.signal(signal.SIGPROF, lambda *_: signal.raise_signal(signal.SIGINT))
     begin = time.process_time()
     signal.setitimer(signal.ITIMER_PROF, moment)
     try:
         while time.process_time() - begin < moment:
             call()
-        signal.setitimer(signal.ITIMER_PROF, 0)
+        # A signal that comes after the last call is dropped.
+        signal.signal(signal.SIGPROF, signal.SIG_IGN)
     except KeyboardInterrupt:
         pass
     print(time.process_time() - begin - moment, flush=True)
