@@ -24,7 +24,7 @@ RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml python/build.rs 
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-windows test-boards test-serve test-long gateware test-studio npm test-npm unity test-unity matlab test-matlab lint fuzz sanitize bench bench-capi bench-peers measured pictures look docs generated api schema golden map header pins wheels release clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-windows test-boards test-serve test-long gateware test-studio npm test-npm unity test-unity matlab test-matlab lint fuzz sanitize bench bench-peers measured pictures look docs generated api schema golden map header pins wheels release clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -189,9 +189,6 @@ fuzz/.venv/ready: fuzz/requirements.txt .venv/ready
 
 bench: ## Ratios: to the textbook loop, of boards' grids and transducers; latency; methods over M and N (2 min once built)
 	$(CARGO) bench --quiet -p midair --features parallel
-
-bench-capi: capi ## How much longer a solve takes through the C library than in Rust
-	MIDAIR_LIBRARY=$(abspath $(BUILT)/libmidair.so) $(CARGO) bench --quiet -p midair-capi --bench overhead
 
 RIVALS := autd3/ready autd3-rs textbook.so planar.so $(if $(ACOUSTOOLS),acoustools/ready)
 
