@@ -246,3 +246,23 @@ def test_samples_become_the_boards_codes() -> None:
 
     steps = commands.modulation(bytes([255, 128, 0, 128]))
     assert steps[0].payloads[0].endswith(bytes([255, 128, 0, 128]))
+
+
+def test_techniques_of_a_caller_are_compared_at_equal_drive() -> None:
+    place, rate = [0, 0, 0.2], 4e3
+    ring = midair.path.circle(place, 0.01, frequency=200)
+    corners = midair.shape.circle(place, 0.01)
+    own = {
+        "AM": midair.path.still(corners, duration=0.1).modulated(200, "cosine"),
+        "AM of eight": midair.path.still(corners[::4], duration=0.1).modulated(200, "cosine"),
+        "STM": ring,
+    }
+    found = midair.haptic(ring, ARRAY, rate=rate, techniques=own)
+    assert list(found.standards)[:3] == list(own) and len(found.standards) == 7
+    assert found.technique == "STM" and found.gain == 0
+    # The level does not depend on how finely the same circle is sampled.
+    assert abs(found.standards["AM"] - found.standards["AM of eight"]) < 3
+    alone = midair.sequence(ARRAY, ring, rate=rate, change=np.pi)
+    assert np.abs(found.sequence.drives).max() == pytest.approx(np.abs(alone.drives).max())
+    with pytest.raises(midair.SceneError, match=r"techniques\.AM is 3: give a path of midair\.path"):
+        midair.haptic(ring, ARRAY, rate=rate, techniques={"AM": 3})

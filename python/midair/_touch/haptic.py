@@ -60,8 +60,9 @@ class Haptic(Facts):
     strength, weakest : float
         Strength in dB above the threshold: the mean along the shape, and at its weakest place.
     standards : dict of str to float
-        The four usual techniques, by name, with the same array, rate, bound and limit at the ears: their
-        `strength`, or their `weakest` if the aim is "even"; -inf where the board cannot meet the limit.
+        The four usual techniques and those of the caller, by name, with the same array, rate, bound and limit
+        at the ears: their `strength`, or their `weakest` if the aim is "even"; -inf where the board cannot
+        meet the limit.
     exposure : midair.Exposure or None
         Levels at the ears, if any were given.
 
@@ -86,7 +87,7 @@ class Haptic(Facts):
 
     @property
     def gain(self) -> float:
-        """Gain in dB over the best of the usual techniques, of the quantity that the aim maximises."""
+        """Gain in dB over the best of `standards`, of the quantity that the aim maximises."""
         reached = self.strength if self.aim == "strong" else self.weakest
         return reached - max(self.standards.values())
 
@@ -113,6 +114,7 @@ def haptic(
     change: float | None = None,
     closed: bool = False,
     beside: float = 0.014,
+    techniques: Mapping[str, Path] | None = None,
     ears: Mapping[str, Any] | None = None,
     limit: str | float = "howard",
     **model: Any,
@@ -135,6 +137,9 @@ def haptic(
         Whether the last place is joined to the first; not needed for a path.
     beside : float, optional
         Largest distance in m of foci from the shape, by default half a wavelength on the skin; 0: none.
+    techniques : mapping of str to midair.path.Path, optional
+        Techniques of your own along the shape, by name. They are compared with the usual ones, and nothing is
+        searched. Paths without pressures have full drive, as the usual ones.
     ears : mapping, optional
         Places, as `midair.exposure` takes them, that must not be louder than a limit. The level of each
         technique that is louder is lowered to amplitudes of the board, before the techniques are compared.
@@ -181,8 +186,11 @@ def haptic(
     if reach > WIDEST:
         warn(f"beside is {reach:g} m, wider than a hand: give {reach * 1e-3:g} if mm are meant")
     for name in model.keys() - set(MODEL):
-        known = ["rate", "aim", "change", "closed", "beside", "ears", "limit", *MODEL]
+        known = ["rate", "aim", "change", "closed", "beside", "techniques", "ears", "limit", *MODEL]
         raise TypeError(str(unknown_name("argument of midair.haptic", name, known)))
+    for name, path in (techniques or {}).items():
+        if not isinstance(path, Path):
+            raise refused(f"techniques.{name}", path, "give a path of midair.path")
     membrane, _, tau = model_of(**model)
     time_constant(tau)
     curve = Curve.of(shape, closed)
@@ -190,13 +198,24 @@ def haptic(
     with without_warnings():
         # The arguments have caused their warnings. A movement too fast for the bound gives a weak result,
         # which is not chosen.
-        return _best(_Judge(array, curve, frames, reach, membrane, dict(model)), aim, most, ears, limit)
+        judge = _Judge(array, curve, frames, reach, membrane, dict(model))
+        return _best(judge, aim, most, techniques, ears, limit)
 
 
-def _best(judge: _Judge, aim: str, most: float, ears: Mapping[str, Any] | None, limit: str | float) -> Haptic:
+def _best(
+    judge: _Judge,
+    aim: str,
+    most: float,
+    techniques: Mapping[str, Path] | None,
+    ears: Mapping[str, Any] | None,
+    limit: str | float,
+) -> Haptic:
     """Return the best technique within a bound in rad per frame, and within the limit at the ears."""
     standards = [judge.tried(technique, most) for technique in usual(judge.curve, judge.rate)]
-    if most < math.pi:
+    if techniques is not None:
+        standards = [judge.drawn(*own, most) for own in techniques.items()] + standards
+        tried = []
+    elif most < math.pi:
         tried = [judge.tried(moving(judge.curve, judge.rate, speed, 1), most) for speed in SPEEDS]
     else:
         tried = list(judge.climbed(aim))
@@ -207,15 +226,15 @@ def _best(judge: _Judge, aim: str, most: float, ears: Mapping[str, Any] | None, 
         along = motion.along(judge.under)
         return float(along.mean() if aim == "strong" else along.min())
 
-    techniques = [*tried, *standards]
+    compared = [*tried, *standards]
     if ears is not None:
-        techniques = [judge.spared(one, ears, limit) for one in techniques]
-    best = max(techniques, key=lambda one: score(one.skin))
+        compared = [judge.spared(one, ears, limit) for one in compared]
+    best = max(compared, key=lambda one: score(one.skin))
     if best.skin is None:
         raise _too_loud(best, ears, limit)
     along = best.skin.along(judge.under)
     levels = decibels(along.mean()), decibels(along.min())
-    usually = {one.name: decibels(max(score(one.skin), 0)) for one in techniques[len(tried) :]}
+    usually = {one.name: decibels(max(score(one.skin), 0)) for one in compared[len(tried) :]}
     return Haptic(best.played, best.skin, best.name, aim, *levels, usually, best.exposure)
 
 
@@ -321,6 +340,11 @@ class _Judge:
             name = f"schedule of {count} foci, {self.rate / len(chosen):.3g} laps/s"
             levels = foci.levels[chosen][:, None] * on
             yield self._judged(name, foci.places[chosen][:, None], levels, foci.drives[chosen] * on)
+
+    def drawn(self, name: str, path: Path, change: float) -> _Judged:
+        """Return a technique of the caller, solved within the bound."""
+        played = sequence(self._array, path, rate=self.rate, change=change)
+        return _Judged(name, played, self.skin(played))
 
     def tried(self, technique: Technique, change: float) -> _Judged:
         """Return the technique with its frames, solved within the bound."""
