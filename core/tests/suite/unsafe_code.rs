@@ -16,7 +16,6 @@ const ALLOWED: [&str; 25] = [
     "capi/src/tests/outcome.rs",
     "capi/src/tests/session.rs",
     "capi/src/version.rs",
-    "core/benches/methods.rs",
     "core/src/kernels/simd/avx2.rs",
     "core/src/kernels/simd/avx512.rs",
     "core/src/kernels/simd/instruction_set.rs",
