@@ -28,7 +28,7 @@ from websockets.sync.client import connect
 
 import midair
 from midair._serve import osc
-from midair._serve.messages import MOST_CLIENTS
+from midair._serve.server import MOST_CLIENTS
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="limits files, reads /proc")
 

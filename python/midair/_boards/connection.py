@@ -12,6 +12,9 @@ from itertools import count
 from typing import Any, Literal
 
 import numpy as np
+
+# The first import of this module, which Cython has compiled, loses a Ctrl-C: not while a board plays.
+import numpy.random
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Array, Solution, stated

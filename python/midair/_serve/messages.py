@@ -1,4 +1,4 @@
-"""WebSocket clients, whose number and unread bytes are bounded, and their messages (docs/serve.md).
+"""WebSocket clients, whose unread bytes are bounded, and their messages (docs/serve.md).
 
 Each message is checked, executed on a `Live` and answered.
 """
@@ -23,9 +23,6 @@ from ..path import Path
 from .life import SILENCE
 from .live import Live
 
-#: Largest number of clients, and of strangers. The library bounds a stranger's request: 128 lines of 8 kB.
-MOST_CLIENTS, MOST_STRANGERS = 64, 64
-
 #: Largest number of bytes that a client leaves unread.
 MOST_UNREAD = 1 << 20
 
@@ -40,7 +37,7 @@ KEYS = ("points", "path", "modulation", "off", "keep", "state", "metrics")
 
 
 class Client(ServerConnection):
-    """A connection: a stranger's until it is admitted.
+    """A connection that has shown the token.
 
     Attributes
     ----------
@@ -48,33 +45,18 @@ class Client(ServerConnection):
         When its last bytes came, by `time.monotonic`.
     """
 
-    def __init__(
-        self, strangers: "dict[Client, None]", clients: "set[Client]", *arguments: Any, **options: Any
-    ) -> None:
+    def __init__(self, clients: "set[Client]", *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
-        self._strangers, self._clients = strangers, clients
+        self._clients = clients
         self.arrived = -math.inf
 
-    def admit(self) -> bool:
-        """Make this stranger a client; return False if there are too many clients."""
-        if len(self._clients) >= MOST_CLIENTS:
-            return False
-        self._strangers.pop(self, None)
-        self._clients.add(self)
-        return True
-
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Join the strangers; end the connection of the oldest one if there are too many."""
+        """Join the clients."""
         super().connection_made(transport)
-        self._strangers[self] = None
-        if len(self._strangers) > MOST_STRANGERS:
-            oldest = next(iter(self._strangers))
-            del self._strangers[oldest]
-            oldest.transport.abort()
+        self._clients.add(self)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Leave the strangers or the clients."""
-        self._strangers.pop(self, None)
+        """Leave the clients."""
         self._clients.discard(self)
         super().connection_lost(exc)
 

@@ -21,7 +21,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, suppress
 from functools import partial
 from http import HTTPStatus
-from typing import Any
+from typing import Any, cast
 from urllib.parse import parse_qs, urlsplit
 
 from websockets.asyncio.server import serve
@@ -39,6 +39,10 @@ from .messages import Client, Talk, obey_osc
 #: Largest size in bytes of a message, and of a pattern of Adaptics.
 MOST_BYTES, MOST_PATTERN = 1 << 16, 1 << 20
 
+#: Largest numbers of clients and of strangers; end of the head of a request, and its largest size in bytes.
+MOST_CLIENTS, MOST_STRANGERS = 64, 64
+END, MOST_HEAD = b"\r\n\r\n", 1 << 15
+
 #: Largest number of messages of a client that wait to be executed.
 MOST_WAITING = 4000
 
@@ -53,6 +57,68 @@ ORIGIN = re.compile(r"[a-z][a-z0-9+.-]*://[^\s/?#@*]+", re.IGNORECASE)
 
 #: Strangers must not fill the terminal, so the library logs nothing.
 SILENT = logging.Logger("midair.serve", logging.CRITICAL + 1)
+
+
+class Stranger(asyncio.Protocol):
+    """A connection that has not shown the token.
+
+    The library would need three times as long for it, and leave garbage whose collection stops the frames.
+    """
+
+    def __init__(self, loop: "Loop", client: Callable[[], asyncio.Protocol]) -> None:
+        self._loop, self._client = loop, client
+        self._head = b""
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Join the strangers; end the connection of the oldest one if there are too many."""
+        self._transport = cast(asyncio.Transport, transport)
+        strangers = self._loop.strangers
+        strangers[self] = self._loop.call_later(OPENING, self.end)
+        if len(strangers) > MOST_STRANGERS:
+            next(iter(strangers)).end()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Leave the strangers."""
+        if limit := self._loop.strangers.pop(self, None):
+            limit.cancel()
+
+    def end(self) -> None:
+        """End the connection."""
+        self.connection_lost(None)
+        self._transport.abort()
+
+    def data_received(self, data: bytes) -> None:
+        """Answer, or become a client, when the head of a request has come."""
+        self._head += data
+        if END not in self._head[-len(data) - len(END) :] and len(self._head) <= MOST_HEAD:
+            return
+        if answer := self._loop.admit(self._head):
+            self._transport.write(answer)
+            self._transport.close()
+            return
+        self.connection_lost(None)
+        client = self._client()
+        self._transport.set_protocol(client)
+        client.connection_made(self._transport)
+        client.data_received(self._head)
+
+
+class Loop(asyncio.SelectorEventLoop):
+    """Event loop whose server's connections are strangers at first.
+
+    `admit` returns the answer to a head, empty for a client.
+    """
+
+    def __init__(self, admit: Callable[[bytes], bytes]) -> None:
+        super().__init__()
+        self.admit = admit
+        self.strangers: dict[Stranger, asyncio.TimerHandle] = {}
+
+    async def create_server(  # type: ignore[override]  # its only caller gives a factory first
+        self, factory: Any, *arguments: Any, **options: Any
+    ) -> Any:
+        """Listen; `factory` makes clients."""
+        return await super().create_server(partial(Stranger, self, factory), *arguments, **options)
 
 
 class PointServer(AbstractContextManager["PointServer"]):
@@ -80,12 +146,11 @@ class PointServer(AbstractContextManager["PointServer"]):
         self._tcp, self._udp = _bound(port, osc_port)
         self.port, self.osc = (each.getsockname()[1] for each in (self._tcp, self._udp))
         self.token = secrets.token_urlsafe(16)
-        self._strangers: dict[Client, None] = {}
         self._clients: set[Client] = set()
         #: Executes messages, and how many of each source wait.
         self._work = ThreadPoolExecutor(1, initializer=before_what_computes)
         self._waiting: Counter[Hashable] = Counter()
-        self._loop = asyncio.SelectorEventLoop()
+        self._loop = Loop(self._admit)
         self._over = asyncio.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
@@ -124,8 +189,7 @@ class PointServer(AbstractContextManager["PointServer"]):
             self._attend,  # type: ignore[arg-type]  # its clients are of the class below
             sock=self._tcp,
             origins=self._origins,  # type: ignore[arg-type]  # None: programs that are no web pages
-            process_request=self._admit,  # type: ignore[arg-type]
-            create_connection=partial(Client, self._strangers, self._clients),  # type: ignore[arg-type]
+            create_connection=partial(Client, self._clients),  # type: ignore[arg-type]
             max_size=MOST_PATTERN,
             compression=None,
             open_timeout=OPENING,
@@ -134,21 +198,22 @@ class PointServer(AbstractContextManager["PointServer"]):
             logger=SILENT,
         ):
             await self._over.wait()
+            for each in tuple(self._loop.strangers):
+                each.end()
         self._loop.remove_reader(self._udp)
         self._udp.close()
 
-    def _admit(self, client: Client, request: Any) -> Any:
-        """Refuse a client without the token, and one too many."""
-        try:
-            shown = parse_qs(urlsplit(request.path).query).get("token", [""])[0]
-        except ValueError:
-            shown = ""
+    def _admit(self, head: bytes) -> bytes:
+        """Return the answer to the head of a stranger's request; empty for a new client."""
+        shown, path = "", head.partition(b"\r\n")[0].split(b" ")[1:2]
+        if path and self.token.encode() in path[0]:
+            with suppress(ValueError):
+                shown = parse_qs(urlsplit(path[0].decode()).query).get("token", [""])[0]
         if not self._knows(shown):
-            refusal = "the token that midair serve printed is missing\n"
-            return client.respond(HTTPStatus.FORBIDDEN, refusal)
-        if not client.admit():
-            return client.respond(HTTPStatus.SERVICE_UNAVAILABLE, "there are too many clients\n")
-        return None
+            return _refusal(HTTPStatus.FORBIDDEN, "the token that midair serve printed is missing")
+        if len(self._clients) >= MOST_CLIENTS:
+            return _refusal(HTTPStatus.SERVICE_UNAVAILABLE, "there are too many clients")
+        return b""
 
     async def _attend(self, client: Client) -> None:
         """Take a client's messages until it leaves."""
@@ -224,6 +289,12 @@ def _origin(given: str) -> str:
     if not ORIGIN.fullmatch(given):
         raise refused("origin", given, "give SCHEME://HOST:PORT, such as http://localhost:8000")
     return given
+
+
+def _refusal(status: HTTPStatus, text: str) -> bytes:
+    """Return an answer by HTTP, after which the connection ends."""
+    head = f"HTTP/1.1 {status.value} {status.phrase}\r\nConnection: close\r\nContent-Length: {len(text) + 1}"
+    return f"{head}\r\nContent-Type: text/plain\r\n\r\n{text}\n".encode()
 
 
 def _bound(port: int, osc_port: int) -> tuple[socket.socket, socket.socket]:
