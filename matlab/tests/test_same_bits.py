@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import midair
-from midair._sequence import document
+from midair._sequence.solve import motion_of, solve_motion
 
 Octave = Callable[[str], str]
 METRICS = ["accuracy", "sigma", "uniformity", "level", "residual", "leak"]
@@ -167,9 +167,9 @@ def test_a_motion_and_its_bytes(octave: Octave, tmp_path: Path) -> None:
     write_arrays('bytes', bytes);
     assert(midair.encode(scene, 'sonicsurface', s.drives(:, 1).'), bytes(:, 1));
     write_arrays('silence', midair.silence(scene, 'sonicsurface'));""")
-    moving = document.read(tmp_path / "motion.toml")
+    moving = motion_of(tmp_path / "motion.toml")
     assert moving is not None
-    wanted = moving.solve()
+    wanted = solve_motion(moving)
     made = np.frombuffer((tmp_path / "drives").read_bytes(), complex).reshape(20, 256)
     np.testing.assert_allclose(made, wanted.drives, atol=2e-7)
     assert (tmp_path / "places").read_bytes() == reals(wanted.points.ravel(), wanted.targets.ravel())
