@@ -112,8 +112,8 @@ embedded: ## Write the table of docs/embedded.md anew (Debian's packages, 5 min)
 test-portable: ## The core on 64-bit ARM and WebAssembly, emulated (Debian's packages)
 	core/tests/portable.sh
 
-test-windows: .venv/ready ## The wheel for Windows and a board at a COM port, under Wine (Debian's packages)
-	$(PYTHON) python/tests/windows.py
+test-windows: .venv/ready ## Under Wine: wheel, board at a COM port, C library, core, quick tests (PARTS=package: all of the package's)
+	$(PYTHON) python/tests/windows.py $(PARTS)
 
 test-boards: setup ## Boards: programs that play end in every way, 20 times each, and 10,000 frames a link (8 min)
 	$(CARGO) build --quiet --release --manifest-path gateware/autd3/Cargo.toml

@@ -1,5 +1,6 @@
 """Settings of the test run: one BLAS thread, and a limit of CPU time for tests that are not marked slow."""
 
+import ctypes
 import importlib
 import inspect
 import json
@@ -25,9 +26,12 @@ if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
 # Idle BLAS threads wait actively, which slows a busy machine down.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+# Figures open no windows.
+os.environ.setdefault("MPLBACKEND", "agg")
+
 #: Seconds of CPU time, child processes included, above which a test that is not marked slow fails `make
-#: check`. Mark tests slow from 0.2 s: the factor of five leaves room for a loaded machine and for first
-#: imports.
+#: check` on Linux. Mark tests slow from 0.2 s: the factor of five leaves room for a loaded machine and for
+#: first imports.
 LIMIT = 1.0
 
 OVER: list[str] = []
@@ -84,30 +88,34 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
     begin = sum(os.times()[:4])
     result = yield
     used = sum(os.times()[:4]) - begin
-    if quick(item.config) and used > LIMIT:
+    if quick(item.config) and used > LIMIT and sys.platform == "linux":
         OVER.append(f"{item.nodeid} takes {used:.1f} s of CPU: mark it @pytest.mark.slow")
     return result
 
 
-if sys.platform == "win32":
-    # Every test of these ends processes by signals, or reads /proc.
-    collect_ignore = [
-        "test_boards_guard.py",
-        "test_boards_owner.py",
-        "test_boards_watcher.py",
-        "test_serve_strangers.py",
-    ]
+#: Files for Linux alone: each test ends processes by signals, or reads /proc.
+LINUX = ["test_boards_guard.py", "test_boards_owner.py", "test_boards_watcher.py", "test_serve_strangers.py"]
+collect_ignore = [] if sys.platform == "linux" else LINUX
 
-#: Parts of POSIX that Windows lacks, or, as links, forbids its users.
-POSIX = re.compile(
-    r"\bos\.(fork|kill|mkfifo|openpty|waitpid)\b|\b(hard|sym)link_to\b|\bimport resource\b|\bchmod\b"
-    r"|send_signal|\bSIG(CONT|HUP|KILL|STOP|TSTP)\b|\bLine\b(?=\()|/proc/|/dev/(full|null|zero)|#!/bin/|\"bash\""
-)
+#: What a system lacks: Windows parts of POSIX, also links, which it forbids its users; macOS parts of Linux.
+LACKS = {
+    "win32": re.compile(
+        r"\bos\.(fork|kill|mkfifo|openpty|waitpid)\b|\b(hard|sym)link_to\b|\bimport resource\b|\bchmod\b"
+        r"|send_signal|\bSIG(CONT|HUP|KILL|STOP|TSTP)\b|\bLine\b(?=\()|/proc/|/dev/(full|null|zero)|#!/bin/"
+        r'|"bash"'
+    ),
+    "darwin": re.compile(r"/proc/|/dev/full|\bSIG(CONT|STOP|TSTP)\b"),
+}
+if sys.platform == "win32" and hasattr(ctypes.WinDLL("ntdll"), "wine_get_version"):
+    # Wine 8 lacks functions that list serial ports. There a wheel is unpacked, without program and sources.
+    LACKS["win32"] = re.compile(
+        rf"{LACKS['win32'].pattern}|\blist_ports\b|with_name\(\"midair\"\)|reference\.index\(\)"
+    )
 
 
-def needs_posix(item: pytest.Function) -> str:
-    """Returns the part of POSIX that the source of a test names, "" if none; also that of its fixtures, and
-    of functions and texts of its module.
+def lacking(item: pytest.Function) -> str:
+    """Returns what this system lacks of what the source of a test names, "" if nothing; also of its fixtures,
+    and of functions and texts of its module.
     """
     fixtures = [found[-1].func for found in item._fixtureinfo.name2fixturedefs.values()]
     left, seen = [item.function, *fixtures], []
@@ -116,7 +124,7 @@ def needs_posix(item: pytest.Function) -> str:
         if part in seen:
             continue
         seen.append(part)
-        if found := POSIX.search(part if isinstance(part, str) else inspect.getsource(part)):
+        if found := LACKS[sys.platform].search(part if isinstance(part, str) else inspect.getsource(part)):
             return found[0]
         if isinstance(part, FunctionType):
             named = [part.__globals__.get(name) for name in part.__code__.co_names]
@@ -129,10 +137,10 @@ def _is_own(value: object, function: FunctionType) -> bool:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    if sys.platform == "win32":
+    if sys.platform in LACKS:
         for item in items:
-            if isinstance(item, pytest.Function) and (part := needs_posix(item)):
-                item.add_marker(pytest.mark.skip(reason=f"needs POSIX: {part}"))
+            if isinstance(item, pytest.Function) and (part := lacking(item)):
+                item.add_marker(pytest.mark.skip(reason=f"{sys.platform} lacks {part}"))
     if os.environ.get("MIDAIR_SLOW") != "1":
         for item in items:
             if item.get_closest_marker("long"):

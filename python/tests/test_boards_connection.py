@@ -40,7 +40,7 @@ def loop():
         ("nano:/dev/ttyACM0", "nano", "serial", "/dev/ttyACM0"),
         ("homies:A", "homies", "fifo", "A"),
         ("null", None, "null", ""),
-        ("file:/tmp/a:b.bin", None, "file", "/tmp/a:b.bin"),
+        ("file:/tmp/a:b.bin", None, "file", os.path.abspath("/tmp/a:b.bin")),
     ],
 )
 def test_addresses(address, board, kind, where):

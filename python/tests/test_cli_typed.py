@@ -4,6 +4,7 @@ and a template of a scene file.
 
 import csv
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -36,6 +37,12 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
         return left.value.code, *capsys.readouterr()
 
     return run
+
+
+def test_the_line_that_solves_a_new_scene_can_be_typed(run: Run) -> None:
+    mark = '"' if os.name == "nt" else "'"
+    line = f"wrote mes scènes.toml; solve it with: midair solve {mark}mes scènes.toml{mark}\n"
+    assert run("new", "mes scènes.toml")[:2] == (0, line)
 
 
 def test_a_new_scene_solves_well_and_replaces_nothing(run: Run) -> None:

@@ -2,9 +2,9 @@
 
 python3 python/tests/windows.py [PART...]
 
-The parts: wheel, board (at a COM port, MIDAIR_SLOW=1: twenty ends of each kind). By name only: c (the library
-and its example); core (its tests) and package (the wheel's, WORDS="..." are arguments of pytest), which
-have not passed yet.
+The parts: wheel, board (at a COM port, MIDAIR_SLOW=1: twenty ends of each kind), c (the C library, its
+examples and Unity's functions), core (its tests), quick (the package's tests that are not slow). By name:
+package (all tests of the package, file by file; WORDS="..." are other arguments of pytest).
 Debian's mingw compiles, with the source of Rust's standard library. A Python for Windows (Maven) and its
 packages (PyPI) are downloaded once into out/windows. Nothing is installed in the system.
 """
@@ -16,12 +16,16 @@ import shutil
 import statistics
 import subprocess
 import sys
+import threading
 import time
 import tomllib
 import zipfile
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 
+from conftest import LINUX
 from lines import Line
 
 ROOT = Path(__file__).parents[2]
@@ -32,13 +36,14 @@ PACKAGES = PYTHON / "lib" / "site-packages"
 TARGET = "x86_64-pc-windows-gnu"
 TOOLS = "x86_64-w64-mingw32-"
 WINE = Path("/usr/lib/wine/wine64")
+SERVER = Path("/usr/lib/wine/wineserver64")
 #: Wine's own libraries for 64 bits.
 DLLS = Path("/usr/lib/x86_64-linux-gnu/wine/x86_64-windows")
 NEEDS = {
     "/usr/bin/rustc": "rustc-web",
     "/usr/bin/cargo": "cargo-web",
     "/usr/lib/rustlib/src/rust/library/Cargo.lock": "rust-web-src",
-    f"/usr/bin/{TOOLS}gcc": "gcc-mingw-w64-x86-64",
+    f"/usr/bin/{TOOLS}g++": "g++-mingw-w64-x86-64",
     "/usr/bin/mvn": "maven",
     WINE: "wine64 wine",
 }
@@ -64,7 +69,17 @@ BOOLEAN NTAPI SystemFunction036(PVOID, ULONG);
 __declspec(dllexport) BOOL WINAPI ProcessPrng(PBYTE p, SIZE_T n) { return SystemFunction036(p, (ULONG)n); }
 """
 
+PYTEST = (WINE, BIN / "python.exe", "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist")
+#: Time in s after which a file of tests counts as hanging.
+HANGS = 900
+
 CORE = ("-p", "midair", "--no-default-features", "--features", "scene-file,parallel")
+
+#: Examples of the C library: folder, compiler, language, and a part of what they print.
+EXAMPLES = (
+    ("c", "gcc", "c99", "\n256 transducers: level 1.000"),
+    ("cpp", "g++", "c++17", "249 transducers, 1000 frames: at least 0.999 of 2000 Pa"),
+)
 
 #: Ends of a program that plays: acts of programs.py. The last three end processes by TerminateProcess.
 ENDS = ("forgotten", "exception", "exit", "killed", "guardless", "alone")
@@ -243,27 +258,60 @@ def wheel() -> None:
 
 
 def c() -> None:
-    """Builds the C library, and runs the example in C with it."""
+    """Builds the C library, looks in it for the functions that Unity calls, and runs the examples with it."""
     run("/usr/bin/cargo", "build", "-p", "midair-capi", "-p", "midair", "--features", "midair/parallel")
     # Beside ucrtbase.dll, which Wine looks for in the folder of the program.
-    built, program = HOME / "target" / TARGET / "debug", BIN
-    shutil.copy(built / "midair.dll", program)
-    strict = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-Icapi/include")
-    source = ROOT / "examples" / "c" / "solve.c"
-    run(f"{TOOLS}gcc", *strict, source, program / "midair.dll", "-lm", "-o", program / "solve.exe")
-    if "\n256 transducers: level 1.000" not in run(WINE, program / "solve.exe"):
-        sys.exit("windows: the example in C prints another level than on Linux")
+    dll = shutil.copy(HOME / "target" / TARGET / "debug" / "midair.dll", BIN)
+    scripts = (ROOT / "unity" / "Runtime" / "MidairLibrary.cs").read_text("utf-8")
+    if missing := {*re.findall(r"extern \w+ (midair_\w+)", scripts)} - {*exported(dll)}:
+        sys.exit(f"windows: Unity's scripts call what midair.dll lacks: {missing}")
+    strict = ("-Wall", "-Wextra", "-Wpedantic", "-Werror", "-static", "-Icapi/include")
+    for folder, compiler, standard, wanted in EXAMPLES:
+        source, program = ROOT / "examples" / folder / f"solve.{folder}", BIN / f"solve_{folder}.exe"
+        run(f"{TOOLS}{compiler}", f"-std={standard}", *strict, source, dll, "-o", program)
+        if wanted not in run(WINE, program):
+            sys.exit(f"windows: {source.name} prints other numbers than on Linux")
 
 
 def core() -> None:
     """Runs the core's tests."""
-    run("/usr/bin/cargo", "test", *CORE)
+    run("/usr/bin/cargo", "test", "--quiet", *CORE)
+
+
+def quick() -> None:
+    """Runs the package's tests that are not slow."""
+    run(*PYTEST, "-m", "not slow")
 
 
 def package() -> None:
-    """Runs the package's tests."""
-    words = shlex.split(os.environ.get("WORDS", "")) or ["--numprocesses=2"]
-    run(WINE, BIN / "python.exe", "-m", "pytest", "-q", "-p", "no:cacheprovider", *words)
+    """Runs all tests of the package, a process for each file, two at a time."""
+    files = sorted({file.name for file in (ROOT / "python" / "tests").glob("test_*.py")} - {*LINUX})
+    words = os.environ.get("WORDS")
+    with ThreadPoolExecutor(2) as pool:
+        total = sum(pool.map(tried, [shlex.split(words)] if words else [[file] for file in files]), Counter())
+    print(", ".join(f"{count} {kind}" for kind, count in total.items()))
+    if total["failed"] + total["errors"] + total["ended"]:
+        sys.exit("windows: failed: tests of the package")
+
+
+def tried(words: list[str]) -> Counter[str]:
+    """Runs tests of a file; returns their counts, also "ended" for a file that hangs or crashes."""
+    begin, command = time.monotonic(), [*map(str, PYTEST), "--tb=short", *words]
+    pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+    with subprocess.Popen(
+        command, cwd=ROOT / "python" / "tests", env=ENVIRONMENT, encoding="utf-8", errors="replace", **pipes
+    ) as program:
+        timer = threading.Timer(HANGS, program.kill)
+        timer.start()
+        said = program.stdout.read()
+        timer.cancel()
+    last = said.strip().rpartition("\n")[2]
+    found = Counter({kind: int(count) for count, kind in re.findall(r"(\d+) (\w+)(?=,| in )", last)})
+    found["ended"] = int(not found)
+    print(f"{words[0]}, {time.monotonic() - begin:.0f} s: {last}", flush=True)
+    if program.returncode:
+        print(said, flush=True)
+    return found
 
 
 def board() -> None:
@@ -306,7 +354,8 @@ def end(act: str, number: int) -> float:
         port.unlink()
 
 
-PARTS = {part.__name__: part for part in (wheel, board, c, core, package)}
+#: The last one runs by name only.
+PARTS = {part.__name__: part for part in (wheel, board, c, core, quick, package)}
 
 
 def main() -> None:
@@ -314,11 +363,16 @@ def main() -> None:
     if missing:
         sys.exit(f"test-windows: missing: apt install --no-install-recommends {missing}")
     python()
-    for name in sys.argv[1:] or ("wheel", "board"):
-        begin = time.monotonic()
-        print(f"== {name}", flush=True)
-        PARTS[name]()
-        print(f"-- {time.monotonic() - begin:.0f} s", flush=True)
+    # Two programs that start Wine's server together may hang: it runs from here on.
+    server = subprocess.Popen([SERVER, "-f", "-p"], env=ENVIRONMENT)
+    try:
+        for name in sys.argv[1:] or [*PARTS][:-1]:
+            begin = time.monotonic()
+            print(f"== {name}", flush=True)
+            PARTS[name]()
+            print(f"-- {time.monotonic() - begin:.0f} s", flush=True)
+    finally:
+        server.terminate()
 
 
 if __name__ == "__main__":

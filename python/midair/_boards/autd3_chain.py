@@ -146,22 +146,24 @@ class Chain:
     def _groups(self) -> list[_Place]:
         """Return the multicast address of each network to search."""
         _, colon, where = self._address.partition(":")
-        interfaces = {name: index for index, name in socket.if_nameindex()}
+        interfaces: dict[str, int] = {}
+        # A system without a network may raise an error.
+        with suppress(OSError):
+            interfaces = {name: index for index, name in socket.if_nameindex()}
         if not colon:
             return [(ALL, PORT, 0, index) for index in interfaces.values()]
         if where in interfaces:
             return [(ALL, PORT, 0, interfaces[where])]
-        if found := re.fullmatch(r"\[([^]]+)\]:(\d{1,5})|(.*:.*)", where):
+        if found := re.fullmatch(r"\[([^]]+)\]:(\d{1,5})|([^[]*:.*)", where):
             host, port = found[1] or found[3], int(found[2] or PORT)
             with suppress(OSError):
                 place = socket.getaddrinfo(host, port, socket.AF_INET6, flags=socket.AI_NUMERICHOST)[0][4]
                 # Some systems reduce a port number modulo 65536 without an error.
                 if place[1] == port:
                     return [place]
-        raise BoardError(
-            f"{self._address}: {where!r} is no network interface: give {', '.join(interfaces)}, or an IPv6 "
-            f"address and port, as autd3:[fe80::1%eth0]:{PORT}"
-        )
+        given = " or ".join([", ".join(interfaces)] * bool(interfaces) + ["an IPv6 address and port"])
+        cure = f"give {given}, as autd3:[fe80::1%eth0]:{PORT}"
+        raise BoardError(f"{self._address}: {where!r} is no network interface: {cure}")
 
     def _enumerate(self) -> list[_Place]:
         """Give all boards numbers, in their order in the chain; return the network address of each."""

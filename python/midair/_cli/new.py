@@ -2,6 +2,7 @@
 
 import os
 import shlex
+import subprocess
 from pathlib import Path
 from typing import Annotated
 
@@ -66,5 +67,7 @@ def new_command(scene: Path = Path("scene.toml")) -> int:
         raise stated(f'"{scene}"', "is there already", "give another name, as in midair new my-scene.toml")
     output.check(scene, (".toml",))
     output.write(scene, starter.encode())
-    print_written(f"{scene}; solve it with: midair solve {shlex.quote(str(scene))}")
+    # The command lines of Windows do not know single quotes.
+    typed = (subprocess.list2cmdline if os.name == "nt" else shlex.join)([str(scene)])
+    print_written(f"{scene}; solve it with: midair solve {typed}")
     return 0

@@ -132,7 +132,11 @@ def _lock(handle: int) -> None:
     if sys.platform == "win32":
         import msvcrt
 
-        msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+        # Its errors have various numbers, and all mean that another run has the lock.
+        with suppress(OSError):
+            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+            return
+        raise BlockingIOError
     else:
         import fcntl
 

@@ -35,6 +35,9 @@ def check(path: Path, endings: tuple[str, ...], others: Iterable[Path] = ()) -> 
         raise stated(f'output "{path}"', "has no known ending", cure, code="unwritable")
     with refusing(f'output "{path}"', "choose another name or folder"):
         target = real(path)
+        if len(target.name) > 255:
+            # Windows would tell only when it is written.
+            raise OSError(36, "File name too long")
         if target.is_dir():
             raise stated(f'output "{path}"', "is a folder", "give a file", code="unwritable")
         if target.exists() and not target.is_file():
