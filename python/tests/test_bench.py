@@ -39,6 +39,41 @@ def test_the_pages_tables_are_made_from_the_newest_record() -> None:
         assert marked.parts(ROOT / path, "bench")[1] == f"{table.rstrip()}\n", path
 
 
+def test_the_papers_numbers_are_those_of_the_record_and_of_the_pages() -> None:
+    paper = (ROOT / "paper" / "paper.md").read_text("utf-8")
+    record = load("record")
+    newest = max(BENCH.joinpath("records").glob("20*.csv"))
+    assert f"`bench/records/{newest.name}`" in paper
+    made = re.findall(r"^\| (\w+, [\w ]+) \| (.*) \|$", record.brief(record.read(newest)), re.MULTILINE)
+    for (name, cells), label in zip(made, ("`fast`", "`uniform`", "autd3, greedy"), strict=True):
+        one, four, _, sixteen, most, spread = cells.split(" | ")
+        row = " | ".join([label, one, four, sixteen, most, spread.removeprefix("0")])
+        assert f"| {row} |" in paper, name
+    (error, calibrated) = re.findall(
+        r"(\d\.\d %)\s\(root mean square\).*? (\d\.\d %) after", paper, re.DOTALL
+    )[0]
+    (again,) = re.findall(r"Repeated readings differ\sby (\d\.\d %)", paper)
+    measuring = (ROOT / "docs" / "measuring.md").read_text("utf-8")
+    assert f"| 140 | {error} | {calibrated} |" in measuring
+    assert f"Repeated readings scatter by {again} in" in measuring
+    (most,) = re.findall(r"resonances of a levitated bead are within (\d+) %", paper)
+    gaps = re.findall(r"^\| resonance .*\| \+(\d+) % \|$", (ROOT / "docs/beads.md").read_text("utf-8"), re.M)
+    assert int(most) == max(map(int, gaps))
+    assert "It has fifteen methods" in paper
+    assert len(midair.solvers()) == 15
+
+
+def test_the_paper_has_josss_sections_and_cites_what_its_bibliography_has() -> None:
+    paper = (ROOT / "paper" / "paper.md").read_text("utf-8")
+    text = paper.split("---\n", 2)[2]
+    assert 750 <= len(text.split()) <= 1000
+    wanted = ["Summary", "Statement of need", "State of the field", "Software design"]
+    wanted += ["Research impact statement", "AI usage disclosure", "Acknowledgements", "References"]
+    assert re.findall(r"^# (.*)$", text, re.MULTILINE) == wanted
+    entries = re.findall(r"^@\w+\{(\w+),", (ROOT / "paper" / "paper.bib").read_text("utf-8"), re.MULTILINE)
+    assert {*re.findall(r"@(\w+)", text)} == {*entries}
+
+
 def test_no_table_of_the_readme_is_longer_than_a_screen() -> None:
     tables = re.findall(r"(?:^\|.*\n)+", (ROOT / "README.md").read_text("utf-8"), re.MULTILINE)
     assert len(tables) >= 3
