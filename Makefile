@@ -24,7 +24,7 @@ RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml python/build.rs 
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-windows test-boards test-serve test-long gateware test-studio npm test-npm unity test-unity matlab test-matlab lint fuzz sanitize bench bench-peers measured pictures look docs generated api schema golden map header pins wheels release clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-windows test-boards test-serve test-long gateware test-studio npm test-npm unity test-unity matlab test-matlab lint fuzz sanitize bench bench-peers measured pictures look docs site generated api schema golden map header pins wheels release clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -221,7 +221,9 @@ pictures: $(if $(NAMES),setup) ## Pictures and tables of pages: lists them; NAME
 look: docs studio ## Look at the book in a browser: axe, requests, widths, live cells (Node 20+, Debian's chromium; 3 min)
 	$(call step,book: in a browser (3 min),node book/look.mjs out/site out/look)
 
-docs: setup book/.venv/ready ## Build the book, the documentation as a site: out/site/index.html
+docs: setup site ## Build the book, the documentation as a site: out/site/index.html
+
+site: book/.venv/ready
 	$(call step,book: built where nothing warns (10 s),NO_MKDOCS_2_WARNING=1 book/.venv/bin/mkdocs build --quiet --strict --config-file book/mkdocs.yml)
 	$(call step,book: every link followed and every public name looked up (6 s),$(PYTHON) book/links.py out/site)
 	@echo; echo "Open $(CURDIR)/out/site/index.html. Its search needs a server: python3 -m http.server --directory out/site"
@@ -240,7 +242,7 @@ generated: schema api map header ## Write all generated files anew, except those
 schema: .venv/extension # docs/*.schema.json, docs/columns.md, fuzz/*.dict
 	$(PYTHON) book/schema.py
 
-api: .venv/extension # docs/api.md
+api: .venv/extension # docs/api.md, docs/tutorials/first-focus.ipynb
 	$(PYTHON) book/reference.py
 
 map: # docs/map.md
@@ -261,7 +263,7 @@ pins: ## Pin what pyproject.toml asks for, names and versions only
 wheels: setup studio ## Wheels for Linux, x86-64 and 64-bit ARM, with the studio, into dist (15 min)
 	python/wheels.sh
 
-release: setup studio npm ## Rehearse a release: all parts into out/release, each tried in an empty environment (25 min)
+release: book/.venv/ready studio/node_modules ## Rehearse a release: all parts into out/release, each tried in an empty folder (15 min)
 	$(PYTHON) python/release.py
 
 clean: ## Remove what was built

@@ -8,13 +8,15 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
 PAGE = ROOT / "docs" / "gallery.md"
+#: The tutorial that is also a notebook, for Colab and Binder.
+LESSON = ROOT / "docs" / "tutorials" / "first-focus.md"
 
 #: Examples by subject.
 ORDER = {
     "Fields": ["smiley.py", "letters.py", "picture.py", "weak.py", "pair.py"],
     "Motion, traps, obstacles": ["ring.py", "traps.py", "ear.py", "ball.py"],
     "Measured arrays": ["board.py", "calibrate.py", "microphone.py", "faults.py", "air.ipynb"],
-    "Methods": ["methods.ipynb", "study.py", "own_solver.py"],
+    "Methods": ["methods.ipynb", "acoustools.ipynb", "study.py", "own_solver.py"],
 }
 
 INTRODUCTION = """\
@@ -117,6 +119,26 @@ def notebook_page(path: Path) -> str:
     kinds = {"markdown": "{}\n", "code": "```python\n{}\n```\n"}
     found = json.loads(path.read_text("utf-8"))["cells"]
     return "\n".join(kinds[cell["cell_type"]].format("".join(cell["source"])) for cell in found)
+
+
+def lesson(page: Path) -> str:
+    """Returns a tutorial as a notebook, which begins with the installation."""
+    made = [("code", "%pip install --quiet midair")]
+    for number, part in enumerate(
+        re.split(r"```python\n(.*?)```\n", page.read_text("utf-8"), flags=re.DOTALL)
+    ):
+        made.append(("code" if number % 2 else "markdown", part.strip()))
+    cells = [
+        {"cell_type": kind, "id": f"cell-{number}", "metadata": {}, "source": text.splitlines(keepends=True)}
+        | ({"outputs": [], "execution_count": None} if kind == "code" else {})
+        for number, (kind, text) in enumerate(made)
+    ]
+    metadata = {
+        "kernelspec": {"display_name": "Python 3", "name": "python3"},
+        "language_info": {"name": "python"},
+    }
+    found = {"cells": cells, "metadata": metadata, "nbformat": 4, "nbformat_minor": 5}
+    return json.dumps(found, indent=1, ensure_ascii=False) + "\n"
 
 
 def notebook(name: str) -> str:

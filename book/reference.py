@@ -1,6 +1,6 @@
 """Generates the reference pages at build time: package, methods, presets, command line, scene file.
 
-Run as a program, it writes docs/api.md, the page of all names, which is in the repository.
+Run as a program, it writes docs/api.md, the page of all names, and the first tutorial as a notebook.
 """
 
 import inspect
@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+import gallery
 import midair
 import schema
 from marked import table
@@ -206,3 +207,4 @@ def pages() -> Iterator[tuple[str, str]]:
 
 if __name__ == "__main__":
     ROOT.joinpath("docs", "api.md").write_text(index(), encoding="utf-8")
+    gallery.LESSON.with_suffix(".ipynb").write_text(gallery.lesson(gallery.LESSON), encoding="utf-8")

@@ -39,6 +39,11 @@ def test_the_gallery_has_every_example_as_it_describes_itself(gallery: ModuleTyp
     assert gallery.PAGE.read_text("utf-8") == gallery.page(), "run `make pictures NAMES=gallery`"
 
 
+def test_the_first_tutorial_as_a_notebook_is_current(gallery: ModuleType) -> None:
+    notebook = gallery.LESSON.with_suffix(".ipynb").read_text("utf-8")
+    assert notebook == gallery.lesson(gallery.LESSON), "run `make generated`"
+
+
 def test_its_pictures_are_small() -> None:
     pictures = list((ROOT / "docs" / "gallery").iterdir())
     assert {path.stem for path in pictures} == {path.stem for path in EXAMPLES}
