@@ -15,11 +15,11 @@ ROOT = Path(__file__).parents[2]
 STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", "-g"]
 
 
-def run(*command: object, cwd: Path = ROOT, **environment: str) -> str:
+def run(*command: object, cwd: Path = ROOT, given: str = "", **environment: str) -> str:
     """Runs a command that must succeed, and returns its output."""
     words = [str(word) for word in command]
     done = subprocess.run(
-        words, cwd=cwd, capture_output=True, encoding="utf-8", env={**os.environ, **environment}
+        words, cwd=cwd, input=given, capture_output=True, encoding="utf-8", env={**os.environ, **environment}
     )
     assert done.returncode == 0, f"{' '.join(words)}: {done.stdout}{done.stderr}"
     return done.stdout

@@ -46,11 +46,15 @@ def program(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[
     """Returns a function that runs the scripts in a program that tests them; compiler warnings are errors."""
     need("mcs", "mono")
     built = tmp_path_factory.mktemp("unity") / "scripts.exe"
-    sources = sorted([*(UNITY / "Runtime").glob("*.cs"), *(UNITY / "Tests~").glob("*.cs")])
+    sources = sorted(
+        path for name in ("Runtime", "Tests~", "Samples~") for path in (UNITY / name).rglob("*.cs")
+    )
     run("mcs", "-warnaserror", "-r:System.dll", "-r:System.Core.dll", f"-out:{built}", *sources)
 
-    def scripts(*words: str, **environment: str) -> str:
-        return run("mono", built, *words, **{"LD_LIBRARY_PATH": str(prefix / "lib"), **environment})
+    def scripts(*words: str, given: str = "", **environment: str) -> str:
+        return run(
+            "mono", built, *words, given=given, **{"LD_LIBRARY_PATH": str(prefix / "lib"), **environment}
+        )
 
     return scripts
 
@@ -190,6 +194,31 @@ def test_midair_serve_gets_points_by_osc_and_then_off(program: Callable[..., str
         assert (address, token) == ("/midair/rows", "To-ken")
         assert row == [0, 0, float(np.float32(0.15)), 1000]
     assert off == ["/midair/off", "To-ken"]
+
+
+def test_a_tracked_palm_plays_while_it_is_in_the_button(program: Callable[..., str]) -> None:
+    """A drawn track in place of OpenXR: from the side into the button, through it, and away."""
+    side = [[0.06 - 0.002 * step, 0.01, 0.15] for step in range(25)]
+    track = [*side, *([0.01, 0.01, 0.15 - 0.002 * step] for step in range(15)), None, None]
+    # The array is 0.7 m above the floor; in Unity y is up.
+    lines = [f"{place[0]} {place[2] + 0.7} {place[1]}" if place else "" for place in track]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as server:
+        server.bind(("127.0.0.1", 0))
+        server.setblocking(False)
+        address = f"osc://127.0.0.1:{server.getsockname()[1]} token To-ken"
+        logged_lines = logged(program("hand", address, given="\n".join(lines) + "\n"))
+        messages = []
+        with suppress(BlockingIOError):
+            while True:
+                messages.append(words_of(server.recv(4096)))
+    assert [line for line in logged_lines if line.startswith("error")] == []
+    wanted = [place for place in track if place and np.hypot(*place[:2]) < 0.03 and 0.13 < place[2] < 0.17]
+    rows = [message[2:5] for message in messages if message[0] == "/midair/rows"]
+    np.testing.assert_allclose(rows, wanted, atol=1e-6)
+    names = [message[0] for message in messages]
+    assert names[0] == "/midair/modulation"
+    assert messages[0][1:] == ["To-ken", 200]
+    assert names[-1] == "/midair/off"
 
 
 def test_midair_serve_plays_what_it_gets(program: Callable[..., str]) -> None:

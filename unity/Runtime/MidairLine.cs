@@ -27,14 +27,17 @@ namespace Midair
         }
 
         /// <summary>Sends rows of x, y, z in m and the pressure in Pa; no rows turn the board off.</summary>
-        internal void Give(float[] rows)
+        internal void Give(float[] rows) => Say(rows.Length == 0 ? "/midair/off" : "/midair/rows", rows);
+
+        /// <summary>Sends an OSC message: the token and numbers.</summary>
+        internal void Say(string name, params float[] numbers)
         {
             var message = new MemoryStream();
             Action<string> text = word => message.Write(Encoding.ASCII.GetBytes(word.PadRight(word.Length / 4 * 4 + 4, '\0')), 0, word.Length / 4 * 4 + 4);
-            text(rows.Length == 0 ? "/midair/off" : "/midair/rows");
-            text(",s" + new string('f', rows.Length));
+            text(name);
+            text(",s" + new string('f', numbers.Length));
             text(token);
-            foreach (float number in rows) message.Write(BitConverter.GetBytes(number).Reverse().ToArray(), 0, 4);
+            foreach (float number in numbers) message.Write(BitConverter.GetBytes(number).Reverse().ToArray(), 0, 4);
             try
             {
                 server.Send(message.ToArray(), (int)message.Length);

@@ -11,6 +11,7 @@ namespace Midair
         public MidairSolver solver;
         [Tooltip("The line that `midair serve --on BOARD` prints, osc://127.0.0.1:PORT token TOKEN, or a serial port: /dev/ttyUSB0, COM3")]
         public string address = "osc://127.0.0.1:PORT token TOKEN";
+        [Tooltip("Modulation in Hz by midair serve, such as 200 for a focus that a hand feels; 0 for none")] public float modulation;
 
         ServerLine server;
         SerialLine serial;
@@ -23,7 +24,11 @@ namespace Midair
             if (solver == null) throw new MidairException("solver is empty: give a solver to the player");
             if (address.StartsWith("osc://"))
             {
-                server = server ?? new ServerLine(address);
+                if (server == null)
+                {
+                    server = new ServerLine(address);
+                    if (modulation > 0) server.Say("/midair/modulation", modulation);
+                }
                 server.Give(solver.Drive == null ? new float[0] : Rows());
             }
             else if (solver.Drive == null) serial?.Give(null);

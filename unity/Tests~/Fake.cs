@@ -10,6 +10,18 @@ namespace UnityEngine
     public class MonoBehaviour : Object
     {
         public readonly Transform transform = new Transform();
+        bool on = true;
+
+        /// <summary>Like the engine, calls OnDisable when a script is switched off.</summary>
+        public bool enabled
+        {
+            get => on;
+            set
+            {
+                if (on && !value) Send("OnDisable");
+                on = value;
+            }
+        }
 
         /// <summary>Calls one of Unity's messages by name, public or not, as the engine does.</summary>
         public void Send(string message) =>
@@ -29,6 +41,8 @@ namespace UnityEngine
     }
 
     public struct Matrix4x4 { }
+
+    public struct Pose { public Vector3 position; }
 
     /// <summary>position + R (scale p); R rotates about y by the angle in degrees: clockwise from above, as in Unity.</summary>
     public class Transform : Object
@@ -72,4 +86,49 @@ namespace UnityEngine
     [AttributeUsage(AttributeTargets.Class)] public class ExecuteAlways : Attribute { }
     [AttributeUsage(AttributeTargets.Class)] public class DefaultExecutionOrder : Attribute { public DefaultExecutionOrder(int order) { } }
     [AttributeUsage(AttributeTargets.Field)] public class TooltipAttribute : Attribute { public TooltipAttribute(string tip) { } }
+}
+
+namespace UnityEngine.XR.Hands
+{
+    public enum XRHandJointID { Palm }
+
+    /// <summary>A joint with the pose that a recorded track gives it, or none.</summary>
+    public struct XRHandJoint
+    {
+        internal Pose? pose;
+
+        public bool TryGetPose(out Pose found)
+        {
+            found = pose.GetValueOrDefault();
+            return pose.HasValue;
+        }
+    }
+
+    public struct XRHand
+    {
+        internal Pose? palm;
+        public bool isTracked => palm.HasValue;
+        public XRHandJoint GetJoint(XRHandJointID joint) => new XRHandJoint { pose = palm };
+    }
+
+    public class XRHandSubsystem { public XRHand rightHand; }
+}
+
+namespace UnityEngine.XR.Management
+{
+    using UnityEngine.XR.Hands;
+
+    public class XRLoader
+    {
+        public static readonly XRHandSubsystem Hands = new XRHandSubsystem();
+        public T GetLoadedSubsystem<T>() where T : class => Hands as T;
+    }
+
+    public class XRManagerSettings { public XRLoader activeLoader = new XRLoader(); }
+
+    public class XRGeneralSettings
+    {
+        public static readonly XRGeneralSettings Instance = new XRGeneralSettings();
+        public XRManagerSettings Manager = new XRManagerSettings();
+    }
 }

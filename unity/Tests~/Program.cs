@@ -77,6 +77,28 @@ namespace Midair
             player.Send("OnDisable");
         }
 
+        /// <summary>Plays a track of a palm, one place in m of Unity's world a line of the input, none for no hand.</summary>
+        static void Hand(string address)
+        {
+            array.board = "autd3";
+            array.transform.position = new Vector3(0f, 0.7f, 0f);
+            var origin = new Transform { position = new Vector3(0f, 0.2f, 0.3f), angle = 90f };
+            var player = new MidairPlayer { solver = solver, address = address, modulation = 200f };
+            var hand = new MidairHand { array = array, player = player, origin = origin };
+            points.foci = new[] { hand.transform };
+            for (string line = Console.ReadLine(); line != null; line = Console.ReadLine())
+            {
+                var place = line.Split(' ').Where(word => word != "").Select(word => float.Parse(word, CultureInfo.InvariantCulture)).ToArray();
+                UnityEngine.XR.Management.XRLoader.Hands.rightHand.palm = place.Length == 0
+                    ? (Pose?)null : new Pose { position = origin.InverseTransformPoint(new Vector3(place[0], place[1], place[2])) };
+                hand.Send("Update");
+                solver.Send("LateUpdate");
+                if (player.enabled) player.Send("LateUpdate");
+                Thread.Sleep(5);
+            }
+            player.enabled = false;
+        }
+
         /// <summary>Tries mistakes that users make, each for two frames.</summary>
         static void Refuse()
         {
@@ -110,6 +132,7 @@ namespace Midair
             if (words[0] == "solve") Solve();
             if (words[0] == "refuse") Refuse();
             if (words[0] == "play") Play(words[1], words[2]);
+            if (words[0] == "hand") Hand(words[1]);
             Log();
             array.Send("OnDisable");
             solver.Send("OnDisable");
