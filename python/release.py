@@ -1,8 +1,8 @@
-"""Rehearses a release: builds it into out/release, tests each part in an empty environment, and prints the
-commands for the upload.
+"""Rehearses a release: builds it into out/release, and tests each part in an empty folder.
 
-It needs all that `make wheels` and `make npm` need. It makes an environment, without Rust, for each
-interpreter from Python 3.11 on that uv finds.
+It needs all that `make wheels`, `make npm` and `make test-windows` need; parts for Windows and Unity are left
+out if their tools are missing. It makes an environment, without Rust, for each interpreter from Python 3.11
+on that uv finds. docs/publishing.md says what to do with the files.
 """
 
 import hashlib
@@ -13,12 +13,18 @@ import shutil
 import socket
 import subprocess
 import sys
+import tarfile
 import tempfile
+import threading
 import time
 import tomllib
 import urllib.request
-from collections.abc import Iterator
+import zipfile
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +33,9 @@ OUT = ROOT / "out" / "release"
 BIN = Path(sys.executable).parent
 VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text("utf-8"))["workspace"]["package"]["version"]
 PYTHONS = ("3.11", "3.12", "3.13", "3.14")
+#: Where Rust compiles. Each part has a folder of its own, because a folder serves one build at a time.
+BUILT = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).absolute()
+WINDOWS = ROOT / "out" / "windows"
 THIRD_PARTY = ROOT / "python" / "THIRD-PARTY.md"
 #: Licences of crates in a wheel that are allowed: none requires more than a copy of its text.
 ALLOWED = {"MIT", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "BSD-2-Clause", "BSD-3-Clause", "ISC"}
@@ -37,8 +46,11 @@ BOARD = 'array.preset = "sonicsurface"\n[[points]]\nposition = [0, 0, 0.15]\n'
 MOST = 6_000_000
 
 
+BEGIN = time.monotonic()
+
+
 def say(text: str) -> None:
-    print(f"== {text}", flush=True)
+    print(f"== {time.monotonic() - BEGIN:4.0f} s  {text}", flush=True)
 
 
 def run(*command: object, cwd: Path = ROOT, env: dict[str, str] | None = None) -> str:
@@ -80,34 +92,142 @@ def third_party() -> str:
     for name, _, licence in bundled():
         if not is_allowed(licence):
             raise SystemExit(f"{name} has the licence {licence}: read it, then add it to ALLOWED")
-    rows = "\n".join(f"| {name} | {version} | {licence} |" for name, version, licence in bundled())
+    found: dict[str, list[str]] = {}
+    for name, version, licence in bundled():
+        found.setdefault(licence, []).append(f"{name} {version}")
+    rows = "".join(f"- {licence}: {', '.join(names)}\n" for licence, names in sorted(found.items()))
     return (
-        "# Bundled software\n\nCrates that are compiled into midair's wheels, and their licences."
-        f" `make release` writes this list.\n\n| crate | version | licence |\n|---|---|---|\n{rows}\n"
+        "# Bundled software\n\nCrates that are compiled into midair's wheels, by licence."
+        f" `make release` writes this list.\n\n{rows}"
     )
 
 
+def built_in(name: str) -> dict[str, str]:
+    """Returns the environment in which Rust compiles into a folder of its own."""
+    return {**os.environ, "CARGO_TARGET_DIR": str(BUILT / name)}
+
+
+def both(*lanes: Callable[[], object]) -> None:
+    """Runs lanes side by side: most of a compilation keeps one core busy."""
+    with ThreadPoolExecutor(len(lanes)) as pool:
+        for lane in [pool.submit(lane) for lane in lanes]:
+            lane.result()
+
+
 def build() -> None:
-    """Builds the source distribution, the wheels, the crate and the package for Node."""
+    """Builds all files of the release into an empty folder."""
     shutil.rmtree(OUT, ignore_errors=True)
     OUT.mkdir(parents=True)
     say("licences of what is bundled")
     THIRD_PARTY.write_text(third_party(), encoding="utf-8")
-    say("source distribution")
+    run(BIN / "uv", "pip", "install", "--quiet", "--python", sys.executable, "--group", "wheels")
+    paged = threading.Event()
+    both(partial(first_lane, paged), partial(second_lane, paged))
+    say("sources")
+    name = f"midair-{VERSION}"
+    run("git", "archive", f"--prefix={name}/", "--output", OUT / f"{name}-source.zip", "HEAD")
+
+
+def first_lane(paged: threading.Event) -> None:
+    """Builds the studio, the package for Node, the wheel for this computer and the site."""
+    try:
+        say("studio and package for Node (5 min)")
+        run("studio/door/build.sh", env=built_in("studio"))
+        run("node", "build.mjs", cwd=ROOT / "studio")
+        run("npm/build.sh")
+        run("npm", "pack", "./npm", "--pack-destination", OUT)
+    finally:
+        paged.set()
+    wheel("x86_64-unknown-linux-gnu")
+    say("site: the book with the studio")
+    (linux,) = OUT.glob("*manylinux*x86_64*.whl")
+    with tempfile.TemporaryDirectory() as name:
+        zipfile.ZipFile(linux).extractall(name)
+        run("make", "site", env={**os.environ, "PYTHONPATH": name})
+    shutil.make_archive(str(OUT / f"midair-{VERSION}-site"), "zip", ROOT / "out" / "site")
+
+
+def second_lane(paged: threading.Event) -> None:
+    """Builds the C libraries, Unity's package, sources for pip and Rust, and the wheels for other systems."""
+    say("C library, crate, source distribution")
+    run("cargo", "build", "--release", "--package", "midair-capi", env=built_in("capi"))
+    run(
+        "cargo",
+        "package",
+        "--quiet",
+        "--no-verify",
+        "--allow-dirty",
+        "--package",
+        "midair",
+        env=built_in("capi"),
+    )
+    shutil.copy(BUILT / "capi" / "package" / f"midair-{VERSION}.crate", OUT)
     run(BIN / "maturin", "sdist", "--out", OUT)
-    say("wheels (10 min)")
-    shutil.rmtree(ROOT / "dist", ignore_errors=True)
-    run("python/wheels.sh")
-    for wheel in (ROOT / "dist").glob("*.whl"):
-        shutil.move(wheel, OUT / wheel.name)
-        size = (OUT / wheel.name).stat().st_size
-        if size > MOST:
-            raise SystemExit(f"{wheel.name} has {size} bytes: at most {MOST}")
-    say("crate")
-    run("cargo", "package", "--quiet", "--no-verify", "--allow-dirty", "--package", "midair")
-    shutil.copy(ROOT / "target" / "package" / f"midair-{VERSION}.crate", OUT)
-    say("package for Node")
-    run("npm", "pack", "./npm", "--pack-destination", OUT)
+    lacks = windows("c")
+    say("package for Unity")
+    unity()
+    paged.wait()
+    lacks = lacks or windows("wheel", "example")
+    if lacks:
+        say(f"no files for Windows: {lacks}")
+    else:
+        for made in (WINDOWS / "dist").glob("*.whl"):
+            shutil.copy(made, OUT)
+    wheel("aarch64-unknown-linux-gnu")
+
+
+def windows(*parts: str) -> str:
+    """Builds parts for Windows and tries them under Wine; returns what is missing for it."""
+    say(f"for Windows: {' '.join(parts)}")
+    command = [sys.executable, "python/tests/windows.py", *parts]
+    done = subprocess.run(
+        command, cwd=ROOT, env={**os.environ, "PROFILE": "release"}, capture_output=True, encoding="utf-8"
+    )
+    if done.returncode and "missing: " not in done.stderr:
+        raise SystemExit(f"{' '.join(command)}:\n{done.stdout}{done.stderr}")
+    return done.stderr.partition("missing: ")[2].strip() if done.returncode else ""
+
+
+def wheel(target: str) -> None:
+    """Builds a wheel for Linux."""
+    say(f"wheel for {target} (3 min)")
+    run("python/wheels.sh", OUT, target, env=built_in(target))
+    for made in OUT.glob("*.whl"):
+        if (size := made.stat().st_size) > MOST:
+            raise SystemExit(f"{made.name} has {size} bytes: at most {MOST}")
+
+
+def unity() -> None:
+    """Packs Unity's package with the C libraries, and an identity for each file, which tarballs need."""
+    libraries = {
+        "Runtime/Plugins/Linux/x86_64/libmidair.so": BUILT / "capi" / "release" / "libmidair.so",
+        "Runtime/Plugins/Windows/x86_64/midair.dll": WINDOWS
+        / "target"
+        / "x86_64-pc-windows-gnu"
+        / "release"
+        / "midair.dll",
+        "LICENSE.md": ROOT / "LICENSE",
+    }
+    files = run("git", "ls-files", "unity/package.json", "unity/Runtime", "unity/Samples~").split()
+    with (
+        tempfile.TemporaryDirectory() as name,
+        tarfile.open(OUT / f"com.midair-{VERSION}.tgz", "w:gz") as packed,
+    ):
+        folder = Path(name)
+        for path, source in {
+            **{each.removeprefix("unity/"): ROOT / each for each in files},
+            **libraries,
+        }.items():
+            if source.exists():
+                (folder / path).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy(source, folder / path)
+        for path in [each for each in folder.rglob("*") if "~" not in str(each.relative_to(folder))]:
+            digest = hashlib.md5(path.relative_to(folder).as_posix().encode()).hexdigest()
+            kind = "folderAsset: yes\n" if path.is_dir() else ""
+            path.with_name(f"{path.name}.meta").write_text(
+                f"fileFormatVersion: 2\nguid: {digest}\n{kind}", "utf-8"
+            )
+        packed.add(folder, "package")
 
 
 @contextmanager
@@ -205,8 +325,82 @@ def try_crate() -> None:
         )
 
 
-def main() -> None:
-    build()
+def try_source() -> None:
+    """Compiles the source distribution, and tests README's example with it."""
+    with tempfile.TemporaryDirectory() as name:
+        run(BIN / "uv", "venv", "--quiet", Path(name) / "env")
+        python = Path(name) / "env" / "bin" / "python"
+        (source,) = OUT.glob("*.tar.gz")
+        run(BIN / "uv", "pip", "install", "--quiet", "--python", python, source, env=built_in("source"))
+        run(python, "-c", example(), cwd=Path(name), env={**os.environ, "MPLBACKEND": "Agg"})
+
+
+def try_notebook() -> None:
+    """Runs the first tutorial in Jupyter; its first cell installs midair, here from the wheel."""
+    with empty(sys.executable) as (folder, env):
+        tools = ("pip", "ipykernel", "nbconvert")
+        run(BIN / "uv", "pip", "install", "--quiet", "--python", folder.parent / "env/bin/python", *tools)
+        run(BIN / "uv", "pip", "uninstall", "--quiet", "--python", folder.parent / "env/bin/python", "midair")
+        shutil.copy(ROOT / "docs" / "tutorials" / "first-focus.ipynb", folder)
+        env |= {"PIP_FIND_LINKS": str(OUT), "PIP_NO_INDEX": "1"}
+        run("jupyter", "nbconvert", "--execute", "--to", "notebook", "first-focus.ipynb", cwd=folder, env=env)
+
+
+def try_site() -> None:
+    """Serves the site from an empty folder, and fetches pages, the studio and its module."""
+    with tempfile.TemporaryDirectory() as name:
+        zipfile.ZipFile(OUT / f"midair-{VERSION}-site.zip").extractall(name)
+        handler = partial(QuietHandler, directory=name)
+        with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+            threading.Thread(target=server.serve_forever, daemon=True).start()
+            home = f"http://127.0.0.1:{server.server_port}"
+            for path, begins in (
+                ("index.html", b"<!doctype html>"),
+                ("studio/index.html", b"<!doctype html>"),
+                ("studio/midair.wasm", b"\0asm"),
+            ):
+                if not fetched(f"{home}/{path}").lower().startswith(begins):
+                    raise SystemExit(f"the site's {path} is no {begins!r}")
+            server.shutdown()
+
+
+class QuietHandler(SimpleHTTPRequestHandler):
+    """Serves files without a line for each request."""
+
+    def log_message(self, *_: Any) -> None:
+        """Says nothing."""
+
+
+def try_unity() -> None:
+    """Compiles the package for Unity with substitutes for Unity's types, and solves with its library."""
+    if not shutil.which("mcs") or not shutil.which("mono"):
+        say("no Mono on this machine (Debian: mono-mcs mono-runtime): the package for Unity is not tried")
+        return
+    with tempfile.TemporaryDirectory() as name:
+        package = Path(name) / "package"
+        with tarfile.open(OUT / f"com.midair-{VERSION}.tgz") as packed:
+            packed.extractall(name, filter="data")
+        sources = [*package.rglob("*.cs"), *(ROOT / "unity" / "Tests~").glob("*.cs")]
+        run("mcs", "-r:System.dll", "-r:System.Core.dll", f"-out:{name}/scripts.exe", *sources)
+        library = str(package / "Runtime" / "Plugins" / "Linux" / "x86_64")
+        if "points" not in run(
+            "mono", f"{name}/scripts.exe", "solve", env={**os.environ, "LD_LIBRARY_PATH": library}
+        ):
+            raise SystemExit("the package for Unity does not solve")
+
+
+def try_archive() -> None:
+    """Unpacks the sources, checks how to cite them, and that Cargo finds every crate of them."""
+    with tempfile.TemporaryDirectory() as name:
+        zipfile.ZipFile(OUT / f"midair-{VERSION}-source.zip").extractall(name)
+        folder = Path(name) / f"midair-{VERSION}"
+        if f"\nversion: {VERSION}\n" not in (folder / "CITATION.cff").read_text("utf-8"):
+            raise SystemExit(f"CITATION.cff does not state version {VERSION}")
+        run("cargo", "metadata", "--locked", "--format-version", "1", cwd=folder)
+
+
+def try_wheels() -> None:
+    """Tests the wheel for this computer with each interpreter, and the notebook."""
     for python in PYTHONS:
         try:
             run(BIN / "uv", "python", "find", python)
@@ -215,18 +409,29 @@ def main() -> None:
             continue
         say(f"wheel on Python {python}: example, command line, board, studio")
         try_wheel(python)
-    say("package for Node: example")
-    try_node()
+    say("first tutorial as a notebook, from the wheel")
+    try_notebook()
+    say("package for Node: example. Site, sources, Unity")
+    for part in (try_node, try_site, try_archive, try_unity):
+        part()
+
+
+def try_sources() -> None:
+    """Tests what must be compiled: the crate and the source distribution."""
     say("crate: a program that uses it (2 min)")
     try_crate()
-    say("upload in this order")
-    print(f"1. cargo publish -p midair                  midair-{VERSION}.crate, which cannot be taken back")
-    print("2. twine upload out/release/*.whl out/release/*.tar.gz")
-    print(f"3. npm publish out/release/midair-{VERSION}.tgz")
-    print(f"4. git tag v{VERSION}; the workflow wheels adds macOS and Windows")
-    (source,) = OUT.glob("*.tar.gz")
-    digest = hashlib.sha256(source.read_bytes()).hexdigest()
-    print(f"5. python/conda/recipe.yaml to conda-forge/staged-recipes, with sha256 {digest}")
+    say("source distribution: compiled, example (3 min)")
+    try_source()
+
+
+def main() -> None:
+    build()
+    both(try_wheels, try_sources)
+    sums = [
+        f"{hashlib.sha256(file.read_bytes()).hexdigest()}  {file.name}\n" for file in sorted(OUT.iterdir())
+    ]
+    (OUT / "SHA256SUMS").write_text("".join(sums), "utf-8")
+    say("done: docs/publishing.md says what to upload, in which order")
     for file in sorted(OUT.iterdir()):
         print(f"   {file.stat().st_size:>10,} {file.name}")
 

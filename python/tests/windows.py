@@ -4,7 +4,9 @@ python3 python/tests/windows.py [PART...]
 
 The parts: wheel, board (at a COM port, MIDAIR_SLOW=1: twenty ends of each kind), c (the C library, its
 examples and Unity's functions), core (its tests), quick (the package's tests that are not slow). By name:
-package (all tests of the package, file by file; WORDS="..." are other arguments of pytest).
+package (all tests of the package, file by file; WORDS="..." are other arguments of pytest) and example
+(README's first program). PROFILE=release is that of `make release`: it optimises, and installs only the
+packages that midair needs.
 Debian's mingw compiles, with the source of Rust's standard library. A Python for Windows (Maven) and its
 packages (PyPI) are downloaded once into out/windows. Nothing is installed in the system.
 """
@@ -73,6 +75,9 @@ PYTEST = (WINE, BIN / "python.exe", "-m", "pytest", "-q", "-p", "no:cacheprovide
 #: Time in s after which a file of tests counts as hanging.
 HANGS = 900
 
+RELEASE = os.environ.get("PROFILE") == "release"
+PROFILE = ("--release",) if RELEASE else ()
+
 CORE = ("-p", "midair", "--no-default-features", "--features", "scene-file,parallel")
 
 #: Examples of the C library: folder, compiler, language, and a part of what they print.
@@ -130,7 +135,7 @@ def run(*command: object, cwd: Path = ROOT) -> str:
 
 def python() -> None:
     """Makes a Python for Windows that runs under Wine, with the packages that the tests need."""
-    if (HOME / "ready").exists():
+    if (HOME / "ready").exists() or (RELEASE and (HOME / "bare").exists()):
         return
     shutil.rmtree(HOME, ignore_errors=True)
     HOME.mkdir(parents=True)
@@ -182,15 +187,15 @@ def python() -> None:
             "cp",
         ),
         *project["project"]["dependencies"],
-        *project["dependency-groups"]["dev"],
-        *LAST,
+        *([] if RELEASE else project["dependency-groups"]["dev"]),
+        *[each for each in LAST if not (RELEASE and each.startswith("scipy"))],
     )
     for wheel in (HOME / "wheels").iterdir():
         install(wheel)
     # Its exit status is that of a part for 32 bits, which is not installed.
     subprocess.run([WINE, "wineboot", "-i"], env=ENVIRONMENT, capture_output=True)
     run(WINE, BIN / "python.exe", "-c", "import numpy, sys; print(sys.version, numpy.__version__)")
-    (HOME / "ready").touch()
+    (HOME / ("bare" if RELEASE else "ready")).touch()
 
 
 def install(wheel: Path) -> None:
@@ -251,7 +256,7 @@ def wheel() -> None:
     """Builds the wheel and installs it for the Python under Wine."""
     shutil.rmtree(HOME / "dist", ignore_errors=True)
     maturin = shutil.which("maturin", path=f"{ROOT}/.venv/bin:{os.environ['PATH']}")
-    run(maturin, "build", "--target", TARGET, "-i", "python3.11", "--out", HOME / "dist")
+    run(maturin, "build", *PROFILE, "--target", TARGET, "-i", "python3.11", "--out", HOME / "dist")
     shutil.rmtree(PACKAGES / "midair", ignore_errors=True)
     (built,) = (HOME / "dist").glob("midair-*-win_amd64.whl")
     install(built)
@@ -259,9 +264,10 @@ def wheel() -> None:
 
 def c() -> None:
     """Builds the C library, looks in it for the functions that Unity calls, and runs the examples with it."""
-    run("/usr/bin/cargo", "build", "-p", "midair-capi", "-p", "midair", "--features", "midair/parallel")
+    packages = ("-p", "midair-capi", "-p", "midair", "--features", "midair/parallel")
+    run("/usr/bin/cargo", "build", *PROFILE, *packages)
     # Beside ucrtbase.dll, which Wine looks for in the folder of the program.
-    dll = shutil.copy(HOME / "target" / TARGET / "debug" / "midair.dll", BIN)
+    dll = shutil.copy(HOME / "target" / TARGET / ("release" if RELEASE else "debug") / "midair.dll", BIN)
     scripts = (ROOT / "unity" / "Runtime" / "MidairLibrary.cs").read_text("utf-8")
     if missing := {*re.findall(r"extern \w+ (midair_\w+)", scripts)} - {*exported(dll)}:
         sys.exit(f"windows: Unity's scripts call what midair.dll lacks: {missing}")
@@ -271,6 +277,20 @@ def c() -> None:
         run(f"{TOOLS}{compiler}", f"-std={standard}", *strict, source, dll, "-o", program)
         if wanted not in run(WINE, program):
             sys.exit(f"windows: {source.name} prints other numbers than on Linux")
+
+
+def example() -> None:
+    """Runs README's first program and a command with the wheel, in an empty folder."""
+    readme = (ROOT / "README.md").read_text("utf-8")
+    found = re.search(r"```python\n(.*?)```\n\n```output\n(.*?)```", readme, re.S)
+    folder = HOME / "empty"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    (folder / "example.py").write_text(found[1], "utf-8")
+    if run(WINE, BIN / "python.exe", "example.py", cwd=folder).splitlines() != found[2].splitlines():
+        sys.exit("windows: README's example prints something else")
+    words = ("-m", "midair", "solve", "--preset", "autd3", "--at", "0,0,0.15")
+    run(WINE, BIN / "python.exe", *words, cwd=folder)
 
 
 def core() -> None:
@@ -354,8 +374,8 @@ def end(act: str, number: int) -> float:
         port.unlink()
 
 
-#: The last one runs by name only.
-PARTS = {part.__name__: part for part in (wheel, board, c, core, quick, package)}
+#: The last two run by name only.
+PARTS = {part.__name__: part for part in (wheel, board, c, core, quick, package, example)}
 
 
 def main() -> None:
@@ -366,7 +386,7 @@ def main() -> None:
     # Two programs that start Wine's server together may hang: it runs from here on.
     server = subprocess.Popen([SERVER, "-f", "-p"], env=ENVIRONMENT)
     try:
-        for name in sys.argv[1:] or [*PARTS][:-1]:
+        for name in sys.argv[1:] or [*PARTS][:-2]:
             begin = time.monotonic()
             print(f"== {name}", flush=True)
             PARTS[name]()
