@@ -199,35 +199,25 @@ def wheel(target: str) -> None:
 
 def unity() -> None:
     """Packs Unity's package with the C libraries, and an identity for each file, which tarballs need."""
-    libraries = {
-        "Runtime/Plugins/Linux/x86_64/libmidair.so": BUILT / "capi" / "release" / "libmidair.so",
-        "Runtime/Plugins/Windows/x86_64/midair.dll": WINDOWS
-        / "target"
-        / "x86_64-pc-windows-gnu"
-        / "release"
-        / "midair.dll",
+    files = run("git", "ls-files", "unity/package.json", "unity/Runtime/*.*s*", "unity/Samples~").split()
+    contents = {each.removeprefix("unity/"): ROOT / each for each in files} | {
         "LICENSE.md": ROOT / "LICENSE",
+        "Runtime/Plugins/Linux/x86_64/libmidair.so": BUILT / "capi" / "release" / "libmidair.so",
+        "Runtime/Plugins/Windows/x86_64/midair.dll": WINDOWS / "python" / "bin" / "midair.dll",
     }
-    files = run("git", "ls-files", "unity/package.json", "unity/Runtime", "unity/Samples~").split()
-    with (
-        tempfile.TemporaryDirectory() as name,
-        tarfile.open(OUT / f"com.midair-{VERSION}.tgz", "w:gz") as packed,
-    ):
+    with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for path, source in {
-            **{each.removeprefix("unity/"): ROOT / each for each in files},
-            **libraries,
-        }.items():
+        for path, source in contents.items():
             if source.exists():
                 (folder / path).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(source, folder / path)
         for path in [each for each in folder.rglob("*") if "~" not in str(each.relative_to(folder))]:
             digest = hashlib.md5(path.relative_to(folder).as_posix().encode()).hexdigest()
             kind = "folderAsset: yes\n" if path.is_dir() else ""
-            path.with_name(f"{path.name}.meta").write_text(
-                f"fileFormatVersion: 2\nguid: {digest}\n{kind}", "utf-8"
-            )
-        packed.add(folder, "package")
+            meta = f"fileFormatVersion: 2\nguid: {digest}\n{kind}"
+            path.with_name(f"{path.name}.meta").write_text(meta, "utf-8")
+        with tarfile.open(OUT / f"com.midair-{VERSION}.tgz", "w:gz") as packed:
+            packed.add(folder, "package")
 
 
 @contextmanager
