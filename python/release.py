@@ -349,7 +349,7 @@ def try_site() -> None:
                 ("studio/index.html", b"<!doctype html>"),
                 ("studio/midair.wasm", b"\0asm"),
             ):
-                if not fetched(f"{home}/{path}").lower().startswith(begins):
+                if not fetched(f"{home}/{path}").lower().lstrip().startswith(begins):
                     raise SystemExit(f"the site's {path} is no {begins!r}")
             server.shutdown()
 
