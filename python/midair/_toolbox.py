@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import Any, cast
 
 from . import _midair
-from ._midair import Array, Batch, Field, Scene, Solution
+from ._midair import Array, Batch, Field, Scene, Solution, presets
 from ._support import slips
 from ._support.slips import Later
 
@@ -122,7 +122,9 @@ def load(name: str) -> Any:
     else:
         home = next((home for home, names in HOMES.items() if name in (names.split() or [home])), None)
         if home is None:
-            raise AttributeError(f"module 'midair' has no attribute {name!r}")
+            preset = presets().get(name.lower())
+            hint = "" if preset is None else f': give midair.Array.preset("{name.lower()}")'
+            raise AttributeError(f"module 'midair' has no attribute {name!r}{hint}")
         module = import_module(f"midair.{home}")
         value = module if name == home else slips.guided(getattr(module, name), f"midair.{name}")
     setattr(package, name, value)

@@ -29,7 +29,14 @@ def marks(ax: Axes) -> dict[str, np.ndarray]:
 
 
 def images(figure: Figure) -> list[np.ndarray]:
-    return [image.get_array() for ax in figure.axes for image in ax.images]
+    """Returns the values of the images, in Pa where they are drawn in kPa."""
+    unit = kilo(figure)
+    return [unit * image.get_array() for ax in figure.axes for image in ax.images]
+
+
+def kilo(figure: Figure) -> float:
+    """Returns 1000 for a figure in kPa, else 1."""
+    return 1e3 if any(ax.get_ylabel().endswith("/ kPa") for ax in figure.axes) else 1.0
 
 
 def titles(figure: Figure) -> str:

@@ -131,7 +131,7 @@ def test_presets_are_listed_with_their_counts(run: Run) -> None:
 def test_solve_prints_the_metrics_and_writes_nothing_unasked(run: Run) -> None:
     status, out, err = run("solve", "scene.toml")
     assert (status, err, files()) == (0, "", {"scene.toml"})
-    header, _, row, _, _, sentence = out.strip().splitlines()
+    sentence, _, header, _, row, _, _ = out.strip().splitlines()
     _, solution = expected()
     points = int(np.count_nonzero(solution.targets))
     assert sentence.startswith(f"{points} points at ")
@@ -305,7 +305,7 @@ def test_compare_has_a_line_and_a_panel_for_each_solver(run: Run) -> None:
     # So few transducers cannot reach the targets: methods that aim at the targets report a miss.
     assert err
     assert all("missed by" in line for line in err.splitlines())
-    rows = out.strip().splitlines()[2:-3]
+    rows = out.strip().splitlines()[4:-3]
     assert [row.split()[0] for row in rows] == list(midair.solvers())
     width, height = png_size("sheet.png")
     assert 400 < height < 8000
@@ -319,7 +319,7 @@ def test_compare_has_a_line_and_a_panel_for_each_solver(run: Run) -> None:
 def test_compare_takes_some_solvers_in_the_order_given(run: Run) -> None:
     status, out, _ = run("compare", "scene.toml", "--solvers", "naive, greedy")
     assert (status, files()) == (0, {"scene.toml"})
-    assert [row.split()[0] for row in out.strip().splitlines()[2:-3]] == ["naive", "greedy"]
+    assert [row.split()[0] for row in out.strip().splitlines()[4:-2]] == ["naive", "greedy"]
 
 
 def test_leak_is_reported_where_there_are_quiet_points(run: Run) -> None:

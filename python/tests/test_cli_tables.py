@@ -14,7 +14,8 @@ import pytest
 import midair
 from midair._cli import main, tables
 from midair._cli.app import TABLES
-from midair._judging.compare import cells as compare_cells, sentence
+from midair._judging.compare import cells as compare_cells
+from midair._pictures.words import sentence
 from midair._support import text
 from scenes import small
 
@@ -30,8 +31,8 @@ def test_tables_are_whole_at_any_width(width: int, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(tables, "console", console)
     tables.print_solutions("compare", solutions)
     printed = console.file.getvalue()
-    table = printed.rpartition("left out")[0] or printed.rpartition("\n")[0]
-    assert max(len(line.rstrip()) for line in table.splitlines()[:-1]) <= width
+    table = printed.rpartition("left out")[0] or printed.rpartition("columns: ")[0]
+    assert max(len(line.rstrip()) for line in table.splitlines()[1:]) <= width
     words = set(printed.split())
     left = set(
         printed.partition("left out, because the terminal is narrow: ")[2].partition(";")[0].split(", ")
@@ -51,9 +52,9 @@ def test_every_printed_column_is_explained(
     heads: list[str] = []
     table = tables._table
 
-    def kept(columns: dict[str, list[str]]) -> object:
+    def kept(columns: dict[str, list[str]], **how: bool) -> object:
         heads.extend(columns)
-        return table(columns)
+        return table(columns, **how)
 
     monkeypatch.setattr(tables, "_table", kept)
     arguments = {
@@ -100,7 +101,7 @@ def test_the_best_of_each_metric_is_marked_in_a_terminal_alone() -> None:
     for terminal in (True, False):
         console = tables._Console(width=60, file=io.StringIO(), force_terminal=terminal)
         console.print(tables._table(tables.best_of(columns)))
-        green = re.findall("\x1b\\[1;32m([^ \x1b]*)", console.file.getvalue())
+        green = re.findall("\x1b\\[1;32m *([^ \x1b]*)", console.file.getvalue())
         assert sorted(green) == (["0.9", "0.9", "1.0%"] if terminal else [])
 
 
@@ -111,7 +112,7 @@ def test_lines_too_long_for_any_table_are_listed(capsys: pytest.CaptureFixture[s
         assert letter * 90 in shown
 
 
-#: Commands that print, and a part of their last line.
+#: Commands that print, and a part of their first or last line.
 COMMANDS = {
     "solve scene.toml": "2 points at ",
     "compare scene.toml": ": 2 points at ",
@@ -200,7 +201,7 @@ def test_tables_are_whole_in_a_terminal_of_80_columns(command: str, tmp_path: Pa
     blank = [k for k, line in enumerate(lines) if not line.strip()]
     table = lines[blank[0] : blank[-1]] if blank else []
     assert all(len(line.rstrip()) <= 80 for line in table)
-    assert COMMANDS[command] in lines[-1]
+    assert COMMANDS[command] in lines[0] + lines[-1]
     assert not re.search(r"\b1 (points|frames|transducers|rows|faults|ports)\b", "\n".join(lines))
     if command.startswith("compare"):
         text = "\n".join(lines)
@@ -217,3 +218,33 @@ def test_show_draws_the_plane_of_the_points_in_letters(capsys: pytest.CaptureFix
     brightest = max(rows, key=lambda row: row.count("@"))
     assert brightest.index("@") < 38 < brightest.rindex("@")
     assert "z = 100 mm; brightest" in out
+    assert out.splitlines()[-1].endswith(" Pa")
+
+
+def test_show_reports_the_unit_of_the_paper(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["solve", "--preset", "paper20", "--at", "0,0,0.1", "--show"])
+    out = capsys.readouterr().out
+    assert "in the paper's unit" in out.splitlines()[0]
+    assert out.splitlines()[-1].endswith(" in the paper's unit")
+
+
+def test_a_list_continues_on_further_lines(monkeypatch: pytest.MonkeyPatch) -> None:
+    console = tables._Console(width=50, file=io.StringIO())
+    monkeypatch.setattr(tables, "console", console)
+    words = "one two three four five six seven eight nine ten eleven"
+    tables.print_list(
+        "presets", {"preset": ["a", "bb"], "transducers": ["7", "12"], "what it is": [words, "x"]}
+    )
+    rows = [line.split() for line in console.file.getvalue().splitlines()[:-1]]
+    assert [word for row in rows for word in row if word in words.split()] == words.split()
+    assert max(map(len, console.file.getvalue().splitlines()[:-1])) <= 50
+
+
+def test_a_picture_is_grey_in_a_terminal_of_few_colours(monkeypatch: pytest.MonkeyPatch) -> None:
+    field = midair.field(small(), midair.solve(small()), midair.Plane(at=0.15, size=0.08, pixels=40))
+    for system, letters in (("standard", "█"), ("truecolor", "\u2580")):
+        console = tables._Console(width=60, file=io.StringIO(), force_terminal=True, color_system=system)
+        monkeypatch.setattr(tables, "console", console)
+        tables.print_field(field)
+        assert letters in console.file.getvalue()

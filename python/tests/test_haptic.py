@@ -258,8 +258,9 @@ def test_techniques_of_a_caller_are_compared_at_equal_drive() -> None:
         "STM": ring,
     }
     found = midair.haptic(ring, ARRAY, rate=rate, techniques=own)
-    assert list(found.standards)[:3] == list(own) and len(found.standards) == 7
-    assert found.technique == "STM" and found.gain == 0
+    assert list(found.standards)[:3] == list(own)
+    assert len(found.standards) == 7
+    assert (found.technique, found.gain) == ("STM", 0)
     # The level does not depend on how finely the same circle is sampled.
     assert abs(found.standards["AM"] - found.standards["AM of eight"]) < 3
     alone = midair.sequence(ARRAY, ring, rate=rate, change=np.pi)

@@ -319,3 +319,19 @@ def test_a_chain_needs_the_frames_of_each_of_its_modulations() -> None:
         with pytest.raises(midair.SceneError, match=r"rate is 300\.0: the modulation needs 400 frames"):
             chain.frames(300.0)
         assert len(chain.frames(400.0)[0]) >= 80
+
+
+def test_a_text_is_drawn_outline_after_outline_and_closes() -> None:
+    drawn = path.text("i", height=0.02, z=Z, speed=0.5)
+    places, targets = drawn.frames(2e3)
+    # During a fade there are two points, one at each outline.
+    assert (drawn.points, drawn.closed) == (2, True)
+    outline = midair.shape.text("i", height=0.02, z=Z, step=1e-4)
+    for place, target in zip(places.transpose(1, 0, 2), targets.T, strict=True):
+        # While a point sounds it is no faster than asked, and lies on an outline of the text.
+        apart = np.linalg.norm(np.diff(place, axis=0), axis=1)
+        assert apart[(target[1:] > 0.999) & (target[:-1] > 0.999)].max() <= 0.5 / 2e3 * 1.001
+        near = np.linalg.norm(place[target > 0.999][:, None] - outline, axis=2).min(axis=1)
+        assert near.max() < 2e-4
+    with pytest.raises(midair.SceneError, match=r"fade is 0: give a number above 0"):
+        path.text("i", height=0.02, z=Z, speed=0.5, fade=0)

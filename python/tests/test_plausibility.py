@@ -132,7 +132,7 @@ def test_the_command_line_tells_in_one_line(tmp_path: Path, capsys: pytest.Captu
     )
     with pytest.raises(SystemExit) as left:
         cli.main(["solve", str(path), "--solver", "naive"])
-    assert left.value.code == 0
+    assert left.value.code == 3
     reported = [line for line in capsys.readouterr().err.splitlines() if line.startswith("warning: ")]
     assert len(reported) == 2
     assert reported[0].startswith(

@@ -7,7 +7,7 @@ from matplotlib import colormaps
 from matplotlib.figure import Figure
 
 import midair
-from figures import flat, images, marks, titles
+from figures import flat, images, kilo, marks, titles
 from midair._pictures.colours import table
 from midair._pictures.plot import answer, contact_sheet
 from scenes import POINTS, small
@@ -65,6 +65,23 @@ def test_plot_without_axes_has_a_panel_for_each_plane() -> None:
     assert len({ax.images[0].get_clim() for ax in figure.axes[:3]}) == 1
 
 
+def test_a_met_request_has_values_at_the_points_and_an_upright_plane() -> None:
+    points = [[-0.02, 0, 0.15], [0.02, 0, 0.15], [0, 0.02, 0.15]]
+    solution = midair.solve(small(points=points, pressures=[30, 40, 50]), "uniform")
+    assert np.abs(solution.pressures) == pytest.approx([30, 40, 50], rel=0.01)
+    figure = solution.plot()
+    assert [ax.get_title() for ax in figure.axes[:2]] == ["z = 150 mm", "y = 0 mm, 2 of 3 points"]
+    assert len(figure.axes) == 3, "two planes and a bar"
+    first, second = ([text.get_text() for text in ax.texts] for ax in figure.axes[:2])
+    values = [f"{abs(p):#.3g} Pa" for p in solution.pressures]
+    assert first == [*(f"{k}  {value}" for k, value in enumerate(values, 1)), "\u03bb"]
+    assert second == ["1", "2"]
+    assert "within 0" in figure.get_suptitle()
+    # A request that is missed has a panel of the points instead.
+    missed = midair.solve(small(points=points, pressures=[30, 40, 50]), "naive", limit="normalize").plot()
+    assert "got" in [text.get_text() for text in missed.axes[-1].get_legend().get_texts()]
+
+
 def test_an_upright_picture_names_its_axes() -> None:
     ax = midair.plot(midair.field(small(points=[[0, 0, 0.1], [0, 0, 0.14]]), np.ones(64)))
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("x / mm", "z / mm")
@@ -78,7 +95,7 @@ def test_an_upright_picture_names_its_axes() -> None:
 @pytest.mark.parametrize(
     ("source_pressure", "quantity", "label", "factor"),
     [
-        (4.386, "pressure", "|p| / Pa", 1),
+        (4.386, "pressure", "|p| / kPa", 1e-3),
         (100, "pressure", "|p| / kPa", 1e-3),
         (1e-2, "pressure", "|p| / Pa", 1),
         (1e-3, "pressure", "|p| in the paper's unit", 1),
@@ -105,10 +122,15 @@ def test_plot_says_what_its_colours_mean(
         "spl": 20 * np.log10(pressure / unit),
         "phase": np.angle(field.pressure),
     }[quantity]
-    seen = ~np.ma.getmaskarray(image)
-    assert np.asarray(image)[seen] == pytest.approx(expected[seen] * factor, rel=1e-5)
-    # Phases are drawn only where |p| is above 1 % of its maximum.
-    assert np.array_equal(seen, pressure > 0.01 * pressure.max()) or quantity != "phase"
+    if quantity == "phase":
+        # The pressure is interpolated to four times as many samples; its phase fades out where it is faint.
+        loud, near = pressure > 0.3 * pressure.max(), np.asarray(image)[1::4, 1::4]
+        assert np.abs(np.angle(np.exp(1j * (near - expected))))[loud].max() < 0.3
+        assert ax.images[0].get_alpha()[1::4, 1::4] == pytest.approx(
+            np.sqrt(pressure / pressure.max()), abs=0.1
+        )
+    else:
+        assert np.asarray(image) == pytest.approx(expected * factor, rel=1e-5)
     low, high = ax.images[0].get_clim()
     top = expected.max() * factor
     assert (low, high) == pytest.approx(
@@ -134,7 +156,8 @@ def test_a_transducer_in_the_picture_does_not_black_out_the_rest() -> None:
     field = midair.field(
         scene, solution, midair.Plane(axis="y", at=0.005, size=0.16, pixels=161, center=(0, 0.07))
     )
-    top = midair.plot(field).images[0].get_clim()[1]
+    ax = midair.plot(field)
+    top = kilo(ax.figure) * ax.images[0].get_clim()[1]
     assert np.abs(field.pressure).max() > 5 * top
     assert 0.5 * solution.targets.max() < top < 2 * solution.targets.max()
 
@@ -148,7 +171,7 @@ def test_pictures_count_the_scale_in_and_tell_it() -> None:
     reported = f"level {solution.metrics.level:.3f}, scale {solution.scale:.3g}"
     plotted = midair.plot(solution).figure
     for figure in (plotted, solution.plot()):
-        assert f"targets 16 Pa, {reported}" in titles(figure)
+        assert f"naive, targets 16 Pa, {reported}" in titles(figure)
         # The brightest pixel has the highest pressure of the table, or less if the focus is between pixels.
         assert images(figure)[0].max() == pytest.approx(np.abs(solution.pressures).max(), rel=0.05)
     sheet = table.plot()
@@ -160,8 +183,8 @@ def test_pictures_count_the_scale_in_and_tell_it() -> None:
 
 def test_titles_tell_the_options_that_are_not_the_defaults() -> None:
     scene = flat()
-    assert midair.plot(midair.solve(scene, "greedy")).get_title().startswith("greedy\n")
-    assert midair.plot(midair.solve(scene, "greedy", phases=8)).get_title().startswith("greedy, phases=8\n")
+    assert "\ngreedy, targets" in midair.plot(midair.solve(scene, "greedy")).get_title()
+    assert "\ngreedy, phases=8, targets" in midair.plot(midair.solve(scene, "greedy", phases=8)).get_title()
     assert midair.plot(midair.solve(scene, lambda g, *_: g.conj()[0] / abs(g[0]).max())).get_title()
 
 
@@ -235,17 +258,19 @@ def test_a_solution_plots_what_was_requested_and_got(count: int) -> None:
     points = rng.uniform([-0.03, -0.03, 0.15], [0.03, 0.03, 0.15], (count, 3))
     targets = rng.uniform(20, 60, count) * (np.arange(count) != 2)
     solution = midair.solve(small(points=points, pressures=targets), "greedy", balance=True)
-    figure = solution.plot()
+    figure = solution.plot(panels=["field", "points"])
     assert isinstance(figure, Figure)
     ax = figure.axes[-1]
     assert ax.get_ylabel() == "|p| / Pa"
     got = dict(zip(range(1, count + 1), np.abs(solution.pressures), strict=True))
-    bars = {round(bar.get_x() + bar.get_width() / 2): bar.get_height() for bar in ax.patches}
     dots = {int(x): y for line in ax.lines for x, y in zip(*line.get_data(), strict=True)}
-    assert (bars or dots) == pytest.approx(got)
-    assert bool(bars) == (count < 50)
-    requested = np.array([segment[:, 1].mean() for segment in ax.collections[0].get_segments()])
+    assert dots == pytest.approx(got)
+    requested = np.array([segment[:, 1].mean() for segment in ax.collections[-1].get_segments()])
     assert requested == pytest.approx(targets)
+    # A stem leads from each target to the dot.
+    stems = np.concatenate([stem.get_segments() for stem in ax.collections[:-1]])
+    ends = {round(stem[0, 0]): stem[:, 1].tolist() for stem in stems}
+    assert all(ends[k] == pytest.approx([targets[k - 1], got[k]]) for k in got)
     assert ax.get_ylim()[1] > max(*got.values(), targets.max())
     labels = [text.get_text() for text in ax.get_legend().get_texts()]
     assert ("got at a quiet point" in labels) == (count > 2)
@@ -253,9 +278,9 @@ def test_a_solution_plots_what_was_requested_and_got(count: int) -> None:
 
 def test_a_single_point_has_no_bar_and_a_smooth_focus() -> None:
     figure = midair.solve(small(points=[[0, 0, 0.15]], pressures=60), "naive").plot()
-    assert [bool(ax.images) for ax in figure.axes] == [True, False]
+    assert [bool(ax.images) for ax in figure.axes] == [True, True, False]
     assert figure.axes[0].images[0].get_interpolation() == "bicubic"
-    assert "target 60 Pa" in titles(figure)
+    assert titles(figure).startswith("1 point at 60 Pa ")
 
 
 def test_pictures_take_plane_colours_panels_and_size() -> None:
@@ -313,4 +338,4 @@ def test_a_solution_of_a_matrix_plots_what_was_requested_and_got_alone() -> None
     solution = midair.solve(midair.Propagation(small().propagation()), "naive", pressures=500)
     figure = answer(solution)
     assert not images(figure)
-    assert [bar.get_height() for bar in figure.axes[0].patches] == pytest.approx(np.abs(solution.pressures))
+    assert figure.axes[0].lines[0].get_ydata() == pytest.approx(np.abs(solution.pressures) / kilo(figure))

@@ -35,7 +35,7 @@ def test_a_style_holds_within_its_statement_or_from_now_on() -> None:
         assert solution.plot(size=5).get_figwidth() == 5
         assert midair.plot(solution).get_title() == "z = 150 mm"
     assert dict(rcParams) == before
-    assert solution.plot().get_suptitle().startswith("naive")
+    assert solution.plot().get_suptitle().startswith("2 points at ")
     with rc_context():
         midair.style("ieee")
         assert solution.plot(panels="points").get_figwidth() == 3.5

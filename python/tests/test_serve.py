@@ -364,6 +364,58 @@ def test_metrics_come_once_or_again_and_again(server: PointServer) -> None:
 
 
 @pytest.mark.slow
+def test_a_warning_goes_to_the_program_that_caused_it(server: PointServer) -> None:
+    far = {"points": [[0, 0, 150]]}
+    with connect(server.address) as one, connect(server.address) as other:
+        for client in (one, other):
+            client.recv(timeout=5)
+        for _ in range(3):
+            one.send(json.dumps(far))
+        told = json.loads(one.recv(timeout=5))["warning"]
+        assert told.startswith("points[0].position is [0, 0, 150]")
+        # Each kind of warning comes once within a second, and not to others.
+        assert "state" in ask(one, keep=True)
+        assert "state" in ask(other, keep=True)
+    monitor = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    with monitor:
+        monitor.settimeout(5)
+        monitor.sendto(osc("points", server.token, 0.0, 0.0, 150.0), ("127.0.0.1", server.osc))
+        found = OscMessage(monitor.recv(4096))
+    assert (found.address, found.params[0][:18]) == ("/midair/warning", "points[0].position")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("board", "change"), [("sonicsurface", None), ("autd3", None)])
+def test_a_focus_follows_a_hand_or_a_warning_says_why_not(board: str, change: float | None) -> None:
+    with (
+        midair.connect(f"{board}:loop", hold=SILENCE) as link,
+        PointServer(Live(link, change=change)) as server,
+        connect(server.address) as client,
+    ):
+        client.recv(timeout=5)
+        levels: list[float] = []
+        told: list[str] = []
+        begin = time.monotonic()
+        while (now := time.monotonic() - begin) < 1.5:
+            # 0.5 m/s on a circle of 2 cm, 90 messages a second.
+            angle = 0.5 / 0.02 * now
+            place = [0.02 * math.cos(angle), 0.02 * math.sin(angle), 0.15]
+            client.send(json.dumps({"points": [place], "metrics": True}))
+            answer = json.loads(client.recv(timeout=5))
+            if "warning" in answer:
+                told.append(answer["warning"])
+            elif answer["points"] and now > 0.3:
+                whole = np.abs(midair.Scene(link.board.array, answer["points"]).propagation()).sum()
+                levels.append(answer["pressures"][0] / whole)
+            time.sleep(1 / 90)
+    if change is None:
+        assert np.median(levels) > 0.9
+    else:
+        assert np.median(levels) < 0.8
+        assert any("a point moves by" in line and "the level falls" in line for line in told)
+
+
+@pytest.mark.slow
 def test_osc_plays_with_the_token_and_not_without(server: PointServer) -> None:
     sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     sender.settimeout(5)
@@ -465,6 +517,7 @@ def test_hostile_messages_make_no_sound_and_end_nothing(server: PointServer) -> 
         ({"change": -1.0}, "change is -1.0: give a number above 0"),
         ({"change": math.nan}, "change is nan: give a finite number"),
         ({"rate": math.nan}, "rate is nan: give a finite number"),
+        ({"token": "short"}, 'token is "short": give at least 16'),
         *(
             ({"origin": [origin]}, "give SCHEME://HOST")
             for origin in ("nonsense", "*", "http://", "http://a/b")
@@ -478,13 +531,14 @@ def test_options_that_let_nothing_play_are_refused(options: dict[str, Any], told
 
 @pytest.mark.slow
 def test_the_command_prints_where_it_serves_and_ends_by_ctrl_c() -> None:
-    command = [sys.executable, "-m", "midair", "serve", "--on", "sonicsurface:loop"]
+    command = [sys.executable, "-m", "midair", "serve", "--on", "sonicsurface:loop", "--token", "a" * 16]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8"
     ) as program:
         assert program.stdout is not None
         address, osc = program.stdout.readline().strip(), program.stdout.readline()
         assert osc.startswith("osc://127.0.0.1:")
+        assert address.endswith("token=aaaaaaaaaaaaaaaa")
         with connect(address) as client:
             assert json.loads(client.recv(timeout=10))["board"] == "sonicsurface"
         program.send_signal(signal.SIGINT)

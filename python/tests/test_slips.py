@@ -84,6 +84,9 @@ SLIPS = {
     "path.circle([0, 0, 1], 1, freq=3)": 'argument of midair.path.circle "freq": did you mean frequency?',
     "image('x', px=3)": 'argument of midair.image "px": did you mean pixels?',
     "SCENE.replace(pressure=5)": 'part of a scene "pressure": did you mean pressures?',
+    "solve(SCENE, temprature=3)": 'option of uniform "temprature": did you mean temperature of a midair.Sc',
+    "Solver(ARRAY, 'fast', temprature=30)": 'option of fast "temprature": did you mean temperature?',
+    "sweep({'scene': SCENE})": 'key of sweep "scene": did you mean scenes?',
     "solve(SCENE, 'greedy', stepz=4)": 'option of greedy "stepz": known are ',
 }
 
@@ -94,6 +97,11 @@ def test_slips_of_users(call: str) -> None:
         eval(call, {**vars(midair), "SCENE": SCENE, "ARRAY": ARRAY})
     assert str(refusal.value).startswith(f"unknown {SLIPS[call]}")
     assert "\n" not in str(refusal.value)
+
+
+def test_a_name_of_a_board_leads_to_its_array() -> None:
+    with pytest.raises(AttributeError, match=r'no attribute .AUTD3.: give midair.Array.preset\("autd3"\)'):
+        midair.AUTD3  # noqa: B018
 
 
 @pytest.mark.parametrize("keyword", ["radius", "density", "sound_speed", "gravity"])

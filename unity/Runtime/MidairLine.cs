@@ -2,6 +2,7 @@
 using System;
 using System.IO;
 using System.Linq;
+using System.Net;
 using System.Net.Sockets;
 using System.Text;
 using System.Threading;
@@ -41,6 +42,12 @@ namespace Midair
             try
             {
                 server.Send(message.ToArray(), (int)message.Length);
+                while (server.Available > 0)
+                {
+                    IPEndPoint from = null;
+                    string[] words = Encoding.UTF8.GetString(server.Receive(ref from)).Split(new[] { '\0' }, StringSplitOptions.RemoveEmptyEntries);
+                    if (words.Length == 3 && (words[0] == "/midair/warning" || words[0] == "/midair/error")) Debug.LogWarning($"midair serve: {words[2]}");
+                }
             }
             catch (SocketException error)
             {

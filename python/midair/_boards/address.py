@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._midair import Codec, nearest, numbers
+from .._midair import Array, Codec, SceneError, nearest, numbers, restated
 from .._support.arguments import is_array, needs, number, refused, word
 from .board import Board
 from .errors import BoardError, reason
@@ -57,7 +57,7 @@ def parse(address: Any) -> Address:
     if kind not in KINDS:
         if re.match(r"/dev/|COM\d", text):
             raise refused("address", text, f"write the board before its port, as in sonicsurface:{text}")
-        meant = nearest(kind, list(KINDS))
+        meant = "mega64, nano16 or nano" if kind in ("ultraino", "arduino") else nearest(kind, list(KINDS))
         hint = f"did you mean {meant}? " if meant else ""
         known = ", ".join(("null", "file:PATH", "autd3", *(f"{kind}:{_place(kind)}" for kind in KINDS)))
         raise refused("address", text, f"there is no such board, {hint}give one of {known}")
@@ -70,6 +70,15 @@ def parse(address: Any) -> Address:
     if link["kind"] == "fifo" and not link["one_chip"] and "+" in where:
         name = kind + PAIR
     return Address(name, link["kind"], where)
+
+
+def board_at(place: Address, array: Array | None = None) -> Board:
+    """Return the board of an address, for an array; addresses that name none simulate DEFAULT."""
+    try:
+        return Board(place.board or DEFAULT, array)
+    except SceneError as error:
+        words = f"{place.kind} plays an {DEFAULT}, name another board as in sonicsurface:loop"
+        raise error if place.board else restated(error, place=words) from None
 
 
 def can_modulate(board: str) -> None:

@@ -21,7 +21,7 @@ from .._midair import Array, Solution, stated
 from .._sequence import Sequence
 from .._support.arguments import frame_rate, is_array, number, refused
 from . import connection as connections, wire
-from .address import DEFAULT, Address, describe, modulation, parse
+from .address import Address, board_at, describe, modulation, parse
 from .board import Board
 from .errors import BoardError, BoardLost, BoardTimeout
 from .limit import Limit, check_rate, given_drives, refuse_real, timed, warn_of_scale, warn_of_seam
@@ -388,7 +388,7 @@ def connect(
     if isinstance(board, Board) and array is not None:
         raise refused("array", array, "the board has its own, leave one of them out")
     if board is None:
-        board = place.board or DEFAULT
+        board = board_at(place, array)
     if not isinstance(board, Board):
         board = Board(board, array)
     if place.kind_of_board not in (None, board.name):

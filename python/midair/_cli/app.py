@@ -1,19 +1,21 @@
 """The program `midair`: its commands and its exit status."""
 
 import logging
+import re
 import sys
 import warnings
 from collections.abc import Sequence
+from inspect import signature
 from shutil import get_terminal_size
 from textwrap import fill
-from typing import NoReturn
+from typing import Any, NoReturn, cast
 
 from cyclopts import App, CycloptsError, MissingArgumentError, UnusedCliTokensError
 
 from .. import SceneError, SceneWarning
 from .._support import text
 from .._support.ctrl_c import Terminated, leave, terminable
-from .progress import FAULT, INTERRUPTED, REFUSED, UNREAD, abandon, fault, one_line, prepare, tell
+from .progress import DOUBTED, FAULT, INTERRUPTED, REFUSED, UNREAD, abandon, fault, one_line, prepare, tell
 
 #: For each command, by name: the module that contains its function NAME_command (imported at first use), and
 #: its line in the list of commands.
@@ -58,6 +60,9 @@ TABLES = {
 }
 
 
+#: Items of warnings about lengths that are probably in another unit.
+LENGTHS = re.compile(r"array\.(positions|grid\.pitch)|points\[\d+\]\.position")
+
 app = App(
     name="midair",
     help="Drives for airborne ultrasound phased arrays: the pressure at given points is what you request.",
@@ -72,9 +77,15 @@ for name, (home, line) in COMMANDS.items():
 
 
 def explain(*names: str) -> None:
-    """Use the docstrings of commands' functions as their help, instead of their lines in the list."""
+    """Use the docstrings of commands' functions as their help, and name arguments that may be left out."""
     for name in names:
         app[name].help = None
+        each = signature(cast(Any, app[name].default_command)).parameters.values()
+        spare = [
+            one.name for one in each if one.kind is one.POSITIONAL_OR_KEYWORD and one.default is not one.empty
+        ]
+        if spare:
+            app[name].usage = f"Usage: midair {name} [OPTIONS] [{spare[0].upper()}]"
 
 
 def columns(command: str) -> str:
@@ -93,8 +104,11 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     prepare()
     warnings.simplefilter("always", SceneWarning)
     warned = set()
+    doubted = False
 
     def warn(message: Warning | str, *_: object, **__: object) -> None:
+        nonlocal doubted
+        doubted |= bool(LENGTHS.match(getattr(message, "item", "")))
         # Several solvers may give the same warning; it is printed once.
         if str(message) not in warned:
             warned.add(str(message))
@@ -106,6 +120,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     # The parser would read a hyphen alone as an option; here it means standard input or output.
     typed = sys.argv[1:] if arguments is None else arguments
     status = _run(["./-" if word == "-" else word for word in typed])
+    status = DOUBTED if doubted and not status else status
     try:
         sys.stdout.flush()
     except OSError:
@@ -126,6 +141,8 @@ def missing(error: MissingArgumentError) -> str:
     typed = error.keyword or next((token.keyword for token in argument.tokens if token.keyword), None)
     if typed:
         return f"{typed} has no value: write one after it"
+    if argument.name == "--on":
+        return "--on is left out: say which board, as in --on sonicsurface:loop; midair boards lists them"
     is_option = not argument.field_info.is_positional
     return f"{argument.name if is_option else argument.name.lstrip('-').upper()} is left out"
 

@@ -17,7 +17,7 @@ from cyclopts import Parameter
 from numpy.typing import NDArray
 
 from .. import Array, Board, Connection, Scene, SceneError, calibrate, connect, doctor
-from .._boards.address import DEFAULT, parse
+from .._boards.address import board_at, parse
 from .._measuring.calibrate import places_of
 from .._measuring.doctor import LISTEN, REPORTS, plan as planned
 from .._measuring.result import ENDINGS
@@ -133,7 +133,7 @@ def doctor_command(
         Faults of a simulated microphone, such as "dead 17, swapped 3 9, delay 1 90, speed 350".
     """
     place = parse(address)
-    board = Board(place.board or DEFAULT)
+    board = board_at(place)
     at = places_of([_place(each) for each in microphone])
     check_outputs((output_file, REPORTS), (plan, (".npz",)), taken=[] if readings is None else [readings])
     if plan is not None:

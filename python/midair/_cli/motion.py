@@ -12,7 +12,7 @@ from .._support import output
 from .._support.text import counted
 from .given import Json, OutputFile, check_outputs
 from .progress import progress_bar
-from .tables import best_of, print_columns, print_line, print_written, write_image
+from .tables import best_of, print_columns, print_written, write_image
 
 #: Metrics of a sequence and their number formats.
 COLUMNS = dict.fromkeys(("level", "uniformity", "largest_change", "seam"), "{:.4f}")
@@ -86,12 +86,13 @@ def _print(found: dict[str, Sequence]) -> None:
     for key, form in COLUMNS.items():
         values = [one.metrics.asdict()[key] for one in found.values()]
         columns[key.replace("_", " ")] = ["-" if value is None else form.format(value) for value in values]
-    print_columns("motion", columns if len(found) == 1 else best_of(columns))
     name, best = max(found.items(), key=lambda each: each[1].metrics.uniformity)
     metrics, (frames, count) = best.metrics, best.targets.shape
     by, driven = f"{name}: " if len(found) > 1 else "", counted(len(best.array), "transducer")
     even = f", even to {1 - metrics.uniformity:.1%} in each frame" if count > 1 else ""
-    print_line(
+    print_columns(
+        "motion",
+        columns if len(found) == 1 else best_of(columns),
         f"{by}{counted(frames, 'frame')} of {counted(count, 'point')} at {best.rate:g} Hz with {driven}, "
-        f"at {metrics.level:.1%} of the targets{even}"
+        f"at {metrics.level:.1%} of the targets{even}",
     )

@@ -17,7 +17,7 @@ from .tables import print_written
 
 def export_command(
     drives: Path,
-    output: Path,
+    output: Annotated[Path, Parameter(name=("--output", "-o"))],
     *,
     board: str | None = None,
     layout: str | None = None,

@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.live import Live
 
 from .. import Array, Board, Connection, Scene, Sequence, Solution, connect, read, solve
-from .._boards.address import DEFAULT, KINDS, PAIR, can_modulate, parse
+from .._boards.address import DEFAULT, KINDS, PAIR, board_at, can_modulate, parse
 from .._boards.connection import LOOK, keep
 from .._midair import stated
 from .._points.ear import REFERENCE
@@ -55,13 +55,12 @@ def play_command(
     """
     seconds = _seconds(duration)
     place = parse(on)
-    name = place.board or DEFAULT
     if modulate is not None:
         # Solving may take long, so the modulation is checked before the scene is solved.
         number("--modulate", modulate, above=0)
         can_modulate(place.kind_of_board or DEFAULT)
-    thing = _thing(what, solver, lambda array: Board(name, array))
-    board = Board(name, thing.array if isinstance(thing, Sequence) else _scene(thing).array)
+    thing = _thing(what, solver, lambda array: board_at(place, array))
+    board = board_at(place, thing.array if isinstance(thing, Sequence) else _scene(thing).array)
     with connect(on, board=board) as connection, _status(connection, on, _loudness(thing), seconds) as show:
         if modulate is not None:
             connection.modulate(modulate)

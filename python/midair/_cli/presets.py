@@ -17,7 +17,7 @@ from .._pictures.colours import Figure
 from .._support import output
 from .._support.text import counted
 from .given import Json, check_outputs
-from .tables import console, print_columns, print_facts, print_line, print_list, print_written, write_image
+from .tables import console, print_columns, print_facts, print_list, print_written, write_image
 
 #: Panels per row of the picture.
 COLUMNS = 4
@@ -198,9 +198,8 @@ def ports_command(*, json: Json = False) -> int:
         "serial number": [port.serial_number or "-" for port in found],
         "could be": [port.could_be or "-" for port in found],
     }
-    print_columns("ports", columns)
     opened = "none opened: midair play SCENE --on BOARD:PORT plays on one"
-    print_line(f"{counted(len(found), 'serial port')}, {opened}")
+    print_columns("ports", columns, f"{counted(len(found), 'serial port')}, {opened}")
     return 0
 
 

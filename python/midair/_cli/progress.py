@@ -17,9 +17,10 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-#: Exit statuses: of a rejected request; of an internal error of midair; if the reader of standard output has
-#: closed it (128 + SIGPIPE); of Ctrl-C (128 + SIGINT). Another signal's status is 128 + its number.
-REFUSED, FAULT, UNREAD, INTERRUPTED = 2, 70, 141, 130
+#: Exit statuses: of a rejected request; of a result for lengths that are probably in another unit; of an
+#: internal error of midair; if the reader of standard output has closed it (128 + SIGPIPE); of Ctrl-C (128 +
+#: SIGINT). Another signal's status is 128 + its number.
+REFUSED, DOUBTED, FAULT, UNREAD, INTERRUPTED = 2, 3, 70, 141, 130
 
 
 #: Terminal colours of the first word of a line.

@@ -7,8 +7,8 @@ import webbrowser
 from contextlib import ExitStack
 from pathlib import Path
 
-from .. import Board, Connection, connect
-from .._boards.address import DEFAULT, parse
+from .. import Connection, connect
+from .._boards.address import board_at, parse
 from .._serve.life import SILENCE
 from .._serve.live import Live
 from .._studio.server import HOLD, PagesBoard, Server
@@ -29,6 +29,7 @@ def serve_command(
     origin: list[str] | None = None,
     rate: float | None = None,
     change: float | None = None,
+    token: str = "",
 ) -> int:
     """Play points that other programs on this machine send by WebSocket or OSC. Ctrl-C ends it.
 
@@ -45,7 +46,10 @@ def serve_command(
     rate
         Frames per second; by default the board's highest rate.
     change
-        Largest change of a phase between two frames, in rad; by default pi/16.
+        Largest change of a phase between two frames, in rad; by default 1963 rad/s, and at most pi.
+    token
+        Key that clients show, at least 16 letters; by default a new random one. Other users of this computer
+        may see it in the list of programs.
     """
     with needs("serve needs websockets and python-osc", "serve"):
         from .._serve.server import PointServer
@@ -56,7 +60,7 @@ def serve_command(
     sys.setswitchinterval(SWITCH)
     with connected() as connection:
         live = Live(connection, rate, change, again=connected)
-        with PointServer(live, port, osc, origin or ()) as server:
+        with PointServer(live, port, osc, origin or (), token) as server:
             print(server.address, flush=True)
             print(f"osc://127.0.0.1:{server.osc} token {server.token}", flush=True)
             print(f"{server.adaptics} for Adaptics Designer", flush=True)
@@ -87,8 +91,7 @@ def studio_command(
     with ExitStack() as open_things:
         player = None
         if on is not None:
-            name = parse(on).board or DEFAULT
-            board = Board(name, None if shown is None else shown.array)
+            board = board_at(parse(on), None if shown is None else shown.array)
             shown = shown or greeting(board.array)
             connection = open_things.enter_context(connect(on, board=board, hold=HOLD))
             player = PagesBoard(connection, scene_text(shown))

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from .. import Scene, Solution, field, solve, solvers
 from .._judging.compare import Comparison, choices, growing
-from .._midair import nearest, stated
+from .._midair import nearest, scene_keys, stated
 from .._pictures.colours import Quantity
 from .._support import output
 from .._support.ctrl_c import interruptible
@@ -78,6 +78,7 @@ def solve_command(
     if image == STANDARD:
         raise stated("--image", 'is "-"', "give a file")
     outputs = (output_file, output.DRIVES), (image, output.IMAGES)
+    values = _values(options) if aim is None else {**_values(options), "aim": aim}
     if scene is None:
         check_outputs(*outputs)
         request = typed(*words)
@@ -85,7 +86,6 @@ def solve_command(
         file = SceneFile(scene)
         file.check_outputs(*outputs)
         request = file.scene()
-    values = _values(options) if aim is None else {**_values(options), "aim": aim}
     with progress_bar("solving") as tell, interruptible() as stop:
 
         def watch(step: int, steps: int, residual: float) -> bool:
@@ -105,8 +105,9 @@ def solve_command(
         _print(request, solution, json, document=output_file == STANDARD)
     if show and not json and not stopped:
         print_field(field(solution.scene or request, solution))
-    if output_file is not None and output_file != STANDARD and not json:
-        print_written(output_file)
+    files = output_file, None if stopped else image
+    for path in () if json else (path for path in files if path not in (None, STANDARD)):
+        print_written(path)
     if stopped:
         say("stopped: what was found so far is above")
     return 128 + stop.number if stopped else 0
@@ -122,6 +123,10 @@ def _print(request: Scene, solution: Solution, json: bool, *, document: bool) ->
         print(output.drive_json(request, solution))
 
 
+#: Arguments of Python that scene files state, and those that only Python has.
+IN_A_FILE = ("pressures", "weights", "start", "progress", "trace", "signature", "bead", "obstacles")
+
+
 def _values(options: dict[str, str]) -> dict[str, Any]:
     """Return solver options as Python values: 16, true and [1, 0] as in JSON, anything else as text."""
     values: dict[str, Any] = {}
@@ -129,7 +134,7 @@ def _values(options: dict[str, str]) -> dict[str, Any]:
     methods = {option for method in solvers().values() for option in method.options}
     for name, text in options.items():
         key = name.replace("-", "_")
-        if key in {"pressures", "weights", "start", "progress", "trace"}:
+        if key in {*IN_A_FILE, *scene_keys()["medium"]}:
             cure = "put it into the scene file or use Python"
             raise stated(f"--{name}", "is no option of the command line", cure)
         if key not in methods and (meant := nearest(key, own)):
@@ -192,6 +197,8 @@ def compare_command(
         # After an interruption, the methods that have finished are still printed.
         if table is not None:
             _tell(table, output_file, json)
+    if image is not None and not json and output_file != STANDARD:
+        print_written(image)
     return 0
 
 

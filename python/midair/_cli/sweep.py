@@ -16,7 +16,7 @@ from .._sweep import dataset, sweep, work
 from .._sweep.request import read
 from .given import of
 from .progress import progress_bar
-from .tables import console, print_columns, print_line, print_written
+from .tables import console, print_columns, print_hint, print_line, print_written
 
 
 @of(sweep, "scheduler")
@@ -49,11 +49,11 @@ def reproduce_command(
     table = Table("figure", "statement", "verdict", "what decides", box=box.SIMPLE_HEAD, pad_edge=False)
     for figure, verdict in verdicts:
         table.add_row(figure, *verdict)
-    console.print(table)
-    print_line("columns: midair reproduce --help, docs/columns.md")
     counts = Counter(verdict.verdict for _, verdict in verdicts)
     reported = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
-    print_line(f"{counted(len(verdicts), 'statement')} of the paper: {reported}")
+    print_line(f"{counted(len(verdicts), 'statement')} of the paper: {reported}", "bold")
+    console.print(table)
+    print_hint("reproduce")
     return 0
 
 
@@ -121,8 +121,8 @@ def dataset_command(
     columns = {"metric": list(METRICS)}
     for title, prefix in (("these drives", ""), ("the data set's", "reference_")):
         columns[title] = [f"{judged[prefix + name].mean():.4f}" for name in METRICS]
-    print_columns("dataset", columns)
-    print_line(f"means over {counted(len(judged['accuracy']), 'held-out scene')}")
+    words = f"means over {counted(len(judged['accuracy']), 'held-out scene')}"
+    print_columns("dataset", columns, words)
     return 0
 
 

@@ -5,7 +5,6 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from textwrap import shorten
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,14 +16,18 @@ from rich.table import Table
 from rich.text import Text
 
 from .. import Field, Solution
-from .._judging.compare import cells, sentence, weakest
+from .._judging.compare import cells, weakest
 from .._pictures.colours import Figure, table
+from .._pictures.words import sentence
 from .._support import output
 
 #: Largest number of characters per row of a picture in the terminal; the characters for pressures from 0 to
 #: the highest.
 WIDEST = 76
 SHADES = " .:-=+*#%@"
+
+#: The same for terminals of 16 colours, which would show the picture in garish ones.
+BLOCKS = " ░▒▓█"
 
 #: Spaces between two columns.
 APART = 3
@@ -69,9 +72,14 @@ class _Console(Console):
 console = _Console() if sys.stdout is not None and sys.stdout.isatty() else _Console(width=120)
 
 
-def print_line(text: str) -> None:
-    """Print a line of text exactly as it is, without line breaks in a pipe."""
-    console.print(text, markup=False, emoji=False, highlight=False, soft_wrap=True)
+def print_line(text: str, style: str = "") -> None:
+    """Print a line of text exactly as it is, without line breaks in a pipe; a terminal shows the style."""
+    console.print(text, style=style, markup=False, emoji=False, highlight=False, soft_wrap=True)
+
+
+def print_hint(command: str, before: str = "") -> None:
+    """Print where the columns of a command's table are explained."""
+    print_line(f"{before}columns: midair {command} --help, docs/columns.md", "dim")
 
 
 def print_facts(lines: Mapping[str, str]) -> None:
@@ -101,24 +109,26 @@ def print_solutions(
     names: Iterable[str] | None = None,
     gaps: Iterable[float] | None = None,
 ) -> None:
-    """Print the metrics of solutions side by side, and a sentence about the best one.
+    """Print a sentence about the best solution, and the metrics of all side by side.
 
     The columns have the solvers' names unless `names` are given.
     """
     solutions = list(solutions)
     names = list(names or [solution.solver for solution in solutions])
     columns = cells(solutions, names, gaps)
-    print_columns(command, columns if len(solutions) == 1 else best_of(columns))
     best = max(range(len(solutions)), key=lambda k: weakest(solutions[k]))
     name = f"{names[best]}: " if len(solutions) > 1 else ""
-    print_line(f"{name}{sentence(solutions[best])}")
+    words = f"{name}{sentence(solutions[best])}"
+    print_columns(command, columns if len(solutions) == 1 else best_of(columns), words)
 
 
-def print_columns(command: str, columns: Mapping[str, list[str]]) -> None:
-    """Print columns of text as a table that is never cut, and where its columns are explained.
+def print_columns(command: str, columns: Mapping[str, list[str]], *sentences: str) -> None:
+    """Print sentences, columns of text as a table that is never cut, and where its columns are explained.
 
     If a table is too wide, rows and columns are exchanged, or some columns are left out.
     """
+    for line in sentences:
+        print_line(line, "bold")
     shown = dict(columns)
     if not _fits(_table(shown)) and _fits(_table(_turned(shown))):
         shown = _turned(shown)
@@ -137,24 +147,19 @@ def print_columns(command: str, columns: Mapping[str, list[str]]) -> None:
         console.print(_table(shown))
         if left:
             print_line(f"left out, because the terminal is narrow: {', '.join(left)}; --json has all")
-    print_line(f"columns: midair {command} --help, docs/columns.md")
+    print_hint(command)
 
 
 def print_list(command: str, columns: Mapping[str, list[str]]) -> None:
-    """Print one line per row. If the line is too long, the text of the last column is shortened."""
-    *_, last = columns
-    others = {name: column for name, column in columns.items() if name != last}
-    room = max(console.width - _width(_table(others)) - APART, 0)
-    words = [shorten(text, room, placeholder=" ...") for text in columns[last]]
-    console.print(_table(others | {last: words}))
-    print_line(
-        f"midair {command} NAME describes one of them; columns: midair {command} --help, docs/columns.md"
-    )
+    """Print a row per entry. The text of the last column continues on further lines if it is too long."""
+    console.print(_table(columns, wrapped=True))
+    print_hint(command, f"midair {command} NAME describes one of them; ")
 
 
 def print_field(field: Field) -> None:
     """Print |p| of each panel of a field: in colours, with two rows of samples per line, or as characters."""
     colours = ["#" + bytes(colour).hex() for colour in table("field")]
+    shades = {None: SHADES, "standard": BLOCKS, "windows": BLOCKS}.get(console.color_system)
     for panel in field.panels or [field]:
         pressure = np.abs(panel.pressure)
         top = max(float(pressure.max()), 1e-30)
@@ -166,8 +171,8 @@ def print_field(field: Field) -> None:
         for above, below in zip(parts[::2], parts[1::2], strict=True):
             line = Text(no_wrap=True)
             for one, other in zip(above, below, strict=True):
-                if console.color_system is None:
-                    line.append(SHADES[round((one + other) / 2 * (len(SHADES) - 1))])
+                if shades is not None:
+                    line.append(shades[round((one + other) / 2 * (len(shades) - 1))])
                 else:
                     ends = [colours[round(255 * part)] for part in (one, other)]
                     line.append("\u2580", f"{ends[0]} on {ends[1]}")
@@ -187,7 +192,8 @@ def _legend(panel: Field, top: float) -> str:
     ends = [f"{name} {1e3 * side[0]:.0f} to {1e3 * side[-1]:.0f}" for name, side in sides]
     plane = panel.plane
     place = "" if plane is None else f", {plane.axis} = {1e3 * plane.at:.0f}"
-    return f"{', '.join(ends)}{place} mm; brightest {top:.4g} Pa"
+    unit = "in the paper's unit" if panel.scene.in_paper_unit else "Pa"
+    return f"{', '.join(ends)}{place} mm; brightest {top:.4g} {unit}"
 
 
 class _Best(str):
@@ -213,10 +219,15 @@ def _turned(columns: Mapping[str, list[str]]) -> dict[str, list[str]]:
     return {first: others} | {name: list(row) for name, row in zip(columns[first], rows, strict=True)}
 
 
-def _table(columns: Mapping[str, list[str]]) -> Table:
+def _table(columns: Mapping[str, list[str]], *, wrapped: bool = False) -> Table:
+    """Return a table, numbers at the right; the last column may be `wrapped`."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for name in columns:
-        table.add_column(escape(name), no_wrap=True)
+    *_, last = columns
+    for name, column in columns.items():
+        numbers = all(cell[:1].isdigit() or cell[:1] == "-" for cell in column)
+        table.add_column(
+            escape(name), no_wrap=not wrapped or name != last, justify="right" if numbers else "left"
+        )
     for row in zip(*columns.values(), strict=True):
         table.add_row(*(Text(cell, "bold green" if isinstance(cell, _Best) else "") for cell in row))
     return table

@@ -9,7 +9,7 @@ from .._midair import stated
 from .._support import output
 from .given import Json, Places, SceneFile, SceneName, SolverName, numbers, of
 from .progress import progress_bar
-from .tables import print_columns, print_line, print_written, write_image
+from .tables import print_columns, print_written, write_image
 
 
 def exposure_command(
@@ -51,9 +51,7 @@ def exposure_command(
     if json:
         print(output.to_json({"limit": found.limit._asdict(), "places": found.to_dict()}))
     else:
-        print_columns("exposure", found.cells())
-        print_line(found.heading)
-        print_line(found.sentence)
+        print_columns("exposure", found.cells(), found.sentence, found.heading)
     return 0
 
 
@@ -96,9 +94,7 @@ def tolerate_command(
                 report = {"trials": table.trials, "status": table.status, "rows": table.to_dict()}
                 print(output.to_json(report))
             else:
-                print_columns("tolerate", table.cells())
-                print_line(table.heading)
-                print_line(table.sentence)
+                print_columns("tolerate", table.cells(), table.sentence, table.heading)
     if image is not None and table is not None:
         with progress_bar("drawing"):
             write_image(image, table.plot())

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from .. import _midair
 from .._boards import pat
 from .._boards.board import Board, Layout
-from .._midair import Array, Solution, array_parts, drive_from_csv, drive_to_csv, read_table, stated
+from .._midair import Array, Solution, array_parts, drive_from_csv, read_table, stated
 from .._sequence import Sequence
-from .._sequence.files import whole
+from .._sequence.files import whole, write_csv
 from .._support import output
 from .._support.arguments import path_of, refused, shown, word
 from .._support.text import ARRAYS, TEXTS, cells, content, fault, number, table, text, unpacked
@@ -72,7 +72,7 @@ def read(
     |---|---|
     | `.npz`, `.json` | the Solution or Sequence, or drives alone |
     | `.holo`, `.csv` of AcousTools or Ultraino, `.bin` | drives, complex64: (N,) of one frame, else (T, N) |
-    | `.csv` of a drive; `.xml.gz` or `.xml` of Ultraino | the drive (N,) |
+    | `.csv` of a drive, of frames (T, N); `.xml.gz` or `.xml` of Ultraino | the drive (N,) |
     | `.csv` of control points | times, points, intensities and frequencies: midair._files.ControlPoints |
 
     The first row of a .csv identifies its kind; Ultraino's has none and is identified by its name. Drives
@@ -118,7 +118,18 @@ def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64
     head = cells(first)
     names = set(re.findall("[a-z]+", first.lower()))
     if names >= {"amplitude", "phase"}:
-        return drive_from_csv(data, f'file "{path}"')
+        if head[0].lower() != "frame":
+            return drive_from_csv(data, f'file "{path}"')
+        frames: dict[str, list[str]] = {}
+        for row in filter(str.strip, text(path, data).splitlines()[line:]):
+            frames.setdefault(cells(row)[0], [first]).append(row)
+        name = f'of file "{path}"'
+        each = [drive_from_csv("\n".join(rows).encode(), f"frame {k} {name}") for k, rows in frames.items()]
+        if len({len(drive) for drive in each}) != 1:
+            raise fault(
+                path, None, "its frames are of different lengths, or none", "give as many rows in each"
+            )
+        return np.stack(each)
     if "intensity" in names:
         return control_points.read(path, data)
     values = [number(cell) for cell in head]
@@ -204,17 +215,17 @@ def array_of(keys: str, folder: File | None) -> Array:
 
 def _layout(path: str | PathLike[str]) -> Layout:
     ending = "".join(path_of("path", path).suffixes[-2:]).lower()
+    listed = ending.endswith(".json") and LISTED.match(content(path, empty=True))
+    if listed or ending.endswith((*TEXTS, *ARRAYS)):
+        _, found = read_table(table(path), str(path))
+        return Layout(found[:, :3], found[:, 3:] if found.shape[1] == 6 else None)
     if ending.endswith(".pat"):
         return _openmpd(path)
     if ending.endswith((".xml.gz", ".xml")):
         root = _xml(path)
         return ultraino.read(path, root) if root.name == "java" else geometry.read_handybeam(path, root)
-    listed = ending.endswith(".json") and LISTED.match(content(path, empty=True))
-    if ending.endswith(".json") and not listed:
+    if ending.endswith(".json"):
         return geometry.read_autd3(path)
-    if listed or ending.endswith((*TEXTS, *ARRAYS)):
-        _, found = read_table(table(path), str(path))
-        return Layout(found[:, :3], found[:, 3:] if found.shape[1] == 6 else None)
     raise fault(path, None, "it has no known ending", f"give {ENDINGS}")
 
 
@@ -289,7 +300,7 @@ def write(
     | `.json` | the file of `Solution.save` | a Solution |
     | `.holo` | AcousTools: phases of 32 steps, amplitudes of 32 steps | any |
     | `.bin` | the board's frames, one after another | any, with `board` |
-    | `.csv`, "drive" | index,x,y,z,amplitude,phase; x,y,z if the array is known | one drive |
+    | `.csv`, "drive" | [frame,]index,x,y,z,amplitude,phase; x,y,z if the array is known | any |
     | `.csv`, "acoustools" | a line frames,transducers, then phases in rad; amplitudes are lost | any |
     | `.csv`, "ultraino" | phases to ...0_Phase.csv, amplitudes to ...0_Amp.csv | any |
     | `.csv`, "points" | t,x,y,z,intensity[,frequency]: for Ultraleap's devices, no drives | points |
@@ -363,10 +374,4 @@ def _write(file: File, layout: str, drives: Played, board: Board | None) -> None
 
 
 def _drive(path: File, drives: Played) -> None:
-    """Write one drive: a row index,x,y,z,amplitude,phase per transducer; no x,y,z if the array is unknown."""
-    if drives.frames != 1:
-        cure = 'give layout="acoustools" or "ultraino", or a name that ends in .npz'
-        raise stated("", f"{drives.frames} frames", f"this .csv holds one drive, {cure}")
-    (drive,) = drives
-    positions = None if drives.array is None else drives.array.positions
-    path.write_bytes(drive_to_csv(drive, positions).encode())
+    write_csv(path, drives.array, drives, drives.frames)

@@ -183,12 +183,13 @@ def _draw(flight: Flight, panel: Way, ax: Axes) -> None:
     first, second = _across(flight)
     for one in range(len(flight.lost)):
         point, place = 1e3 * flight.points[:, one], 1e3 * flight.places[:, one]
-        ax.plot(point[:, first], point[:, second], color="lightgrey", linewidth=2.5, zorder=1)
+        ax.plot(point[:, first], point[:, second], color="silver", linewidth=4, zorder=1)
         ax.plot(place[:, first], place[:, second], linewidth=0.9, zorder=2)
         there = np.flatnonzero(~np.isnan(place[:, 0]))
         if not flight.held[one] and len(there):
             ax.plot(*place[there[-1], [first, second]], "x", color="red", zorder=3)
     ax.set(aspect="equal", xlabel=f"{'xyz'[first]} / mm", ylabel=f"{'xyz'[second]} / mm")
+    ax.set_title("grey: points, lines: beads", fontsize="small")
 
 
 #: Distance in wavelengths from its point beyond which a bead is lost, as in the core.

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _midair
 from .._midair import Array, Plane, Propagation, Scene, SceneError, Solution, Solver, numbers, stated
 from .._pictures.colours import Axes, Figure, Map, Quantity, Size
-from .._points.ear import REFERENCE
 from .._support import text
 from .._support.arguments import refused
 from .._support.output import METRICS
@@ -20,9 +19,6 @@ from .._support.output import METRICS
 #: Largest number of points for which `midair.bound` is computed.
 BOUND_POINTS = 64
 
-
-#: Pressures that differ by less than this factor are written as one number in sentences.
-EVEN = 1.002
 
 #: Arguments of `midair.solve` that `midair.Solver` does not accept.
 OF_A_SOLVE = {"start", "progress", "trace"}
@@ -199,41 +195,6 @@ def weakest(solution: Solution) -> float:
     loud = solution.targets > 0
     parts = np.abs(solution.pressures[loud]) / solution.targets[loud]
     return float(parts.min()) if parts.size else 0.0
-
-
-def sentence(solution: Solution) -> str:
-    """Return a sentence about a solution: points, pressure, transducers, distance from the request."""
-    loud = solution.targets > 0
-    got, quiet = np.abs(solution.pressures[loud]), np.abs(solution.pressures[~loud])
-    if not got.size:
-        return f"{text.counted(len(quiet), 'quiet point')}, at most {quiet.max():.3g} Pa"
-    low, high = float(got.min()), float(got.max())
-    paper = solution.scene is not None and solution.scene.in_paper_unit
-    most = f"{high:.4g} in the paper's unit" if paper else _level(high)
-    level = most if high <= EVEN * low else f"{low:.4g} to {most}"
-    driven = text.counted(len(np.flatnonzero(solution.drive)), "transducer")
-    requested = solution.scene is not None and solution.scene.pressures is not None
-    parts = got / solution.targets[loud]
-    off = float(np.abs(parts / (1 if requested else np.mean(parts)) - 1).max())
-    words = [f"{text.counted(len(got), 'point')} at {level} with {driven}"]
-    if requested:
-        words.append(f"within {_percent(off)} of what was requested")
-    elif len(got) > 1:
-        words.append(f"even to {_percent(off)}")
-    if quiet.size:
-        words.append(f"{text.counted(len(quiet), 'quiet point')} at most {quiet.max():.3g} Pa")
-    return ", ".join(words)
-
-
-def _percent(part: float) -> str:
-    """Return a fraction as a percentage with two digits, at least 0.1 %."""
-    return f"{max(100 * part, 0.1):.2g} %"
-
-
-def _level(pressure: float) -> str:
-    """Return a peak pressure as text, in Pa and in dB SPL."""
-    decibels = 20 * np.log10(max(pressure, 1e-12) / np.sqrt(2) / REFERENCE)
-    return f"{pressure:.4g} Pa ({decibels:.0f} dB)"
 
 
 def _duration(seconds: float) -> str:

@@ -24,11 +24,12 @@ PANELS = get_args(Panel)
 
 def _residuals(calibration: Calibration, ax: Axes) -> None:
     for m, received in enumerate(np.abs(calibration.residuals).T):
-        ax.plot(received, ".", markersize=3, label=f"microphone {m + 1}")
+        ax.plot(received, ".^sxv"[m % 5], markersize=3, label=f"microphone {m + 1}")
     ax.axhline(calibration.noise, color="black", linewidth=0.8, label="standard deviation found")
     ax.set_title("residuals / Pa", fontsize="medium")
-    ax.set_xlabel("drive")
-    ax.legend(loc="upper right")
+    # The legend stands above all residuals.
+    ax.set(xlabel="drive", ylim=(0, 1.6 * float(np.abs(calibration.residuals).max()) or 1.0))
+    ax.legend(loc="upper right", fontsize="small")
 
 
 #: Styles of the marks of dead and reversed transducers.

@@ -46,6 +46,9 @@ FAINT = 0.01
 #: A picture whose |p| is below this fraction of the points' is called dark, and its title says so.
 DARK = 1e-4
 
+#: Pressures in Pa from here on are shown in kPa.
+KILO = 1e3
+
 #: Distance from the points, in wavelengths, within which a field determines its own scale.
 MARGIN = 2.0
 
@@ -209,6 +212,6 @@ def _unit(quantity: Quantity, top: float, paper: bool) -> tuple[float, str]:
     name = "|p|" if quantity == "pressure" else "radiation pressure"
     units = ((1e-3, "kPa"), (1.0, "Pa"), (1e3, "mPa"), (1e6, "µPa"))
     factor, unit = next(
-        (unit for unit in units if top * unit[0] >= (10 if unit[1] == "kPa" else 0.5)), units[-1]
+        (unit for unit in units if top * unit[0] >= (1e-3 * KILO if unit[1] == "kPa" else 0.5)), units[-1]
     )
     return factor, f"{name} / {unit}"

@@ -172,11 +172,18 @@ def new_figure(
     return made
 
 
+def check_axes(ax: Axes | None) -> None:
+    """Raise TypeError for what is no Axes, such as the name of a file."""
+    if ax is not None and not hasattr(ax, "imshow"):
+        raise TypeError(f"ax is {ax!r}: give Axes of matplotlib; .plot().savefig(...) writes a file")
+
+
 def chosen(panels: Name | Iterable[Name] | None, known: Sequence[Name], ax: Axes | None = None) -> list[Name]:
     """Return the panels to draw, by default all; for the caller's axes one, by default the first.
 
     Raises SceneError for an unknown name, and for several panels in one pair of axes.
     """
+    check_axes(ax)
     names = [panels] if isinstance(panels, str) else list(known if panels is None else panels)
     if not names or set(names) - set(known):
         listed = ", ".join(f'"{name}"' for name in known)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .._midair import Field, Mesh, Plane, Sphere, Wall
 from . import words
-from .colours import Axes, AxesImage, Colours, Figure, Map, SubFigure
+from .colours import Axes, AxesImage, Colours, Figure, Map, SubFigure, loud
 
 #: A wall and a plane are parallel if the sine of their angle is below this.
 PARALLEL = 1e-9
@@ -117,15 +117,30 @@ def grid(figure: Figure | SubFigure, fields: Sequence[Field], columns: int | Non
 
 def draw(field: Field, ax: Axes, colours: Colours) -> AxesImage:
     """Draw the image and the points of a field."""
-    values = colours.values(field)
-    image = paint(field, ax, values, colours.map, (colours.bottom, colours.top))
-    if colours.quantity != "phase":
-        # The pressure is smooth between samples; a phase jumps by 2 pi, so it must not be interpolated.
-        image.set_interpolation("bicubic")
+    ends = colours.bottom, colours.top
+    if colours.quantity == "phase":
+        # A phase jumps by 2 pi between samples, the pressure is smooth. It fades out where it is faint.
+        pressure = _finer(_finer(field.pressure).T).T
+        image = paint(field, ax, np.angle(pressure).astype(np.float64), colours.map, ends)
+        image.set_alpha(np.sqrt(np.clip(np.abs(pressure) / max(loud(field), 1e-30), 0, 1)))
+        ax.set_facecolor("white")
+        _mark(ax, field, sides(field))
+        return image
+    image = paint(field, ax, colours.values(field), colours.map, ends)
+    image.set_interpolation("bicubic")
     _mark(ax, field, sides(field))
-    if colours.quantity != "phase":
-        _push(ax, field, sides(field))
+    _push(ax, field, sides(field))
     return image
+
+
+def _finer(rows: NDArray[np.complex64], times: int = 4) -> NDArray[np.complex64]:
+    """Return rows with this many samples in place of each, linear between the middles of the old ones."""
+    at = (np.arange(times * len(rows)) + 0.5) / times - 0.5
+    at = np.clip(at, 0, len(rows) - 1)
+    first = np.minimum(at.astype(np.intp), len(rows) - 2)
+    part = (at - first)[:, None].astype(np.float32)
+    finer: NDArray[np.complex64] = rows[first] * (1 - part) + rows[first + 1] * part
+    return finer
 
 
 def _push(ax: Axes, field: Field, axes: tuple[int, int]) -> None:
@@ -203,7 +218,6 @@ def frame(field: Field, ax: Axes) -> tuple[float, float, float, float]:
     across, up = ("xyz"[axis] for axis in sides(field))
     u, v = (getattr(field, name) * 1e3 for name in (across, up))
     edge = (u[1] - u[0]) / 2
-    # The grey background is visible where |p| is too small for a phase.
     ax.set_facecolor("lightgrey")
     ax.set(xlim=(u[0] - edge, u[-1] + edge), ylim=(v[0] - edge, v[-1] + edge), aspect="equal")
     outline(field, ax, sides(field))

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Field, Plane, Solution, field, stated
+from . import words
 from .colours import MAPS, Axes, Figure, Map, Quantity, Size, SubFigure, beyond, colours, loud, of_pressures
 from .panel import add_bar, draw, frame, grid, paint, shape, sides
-from .words import heading, level, marks, number, place, reported, requested, scale, solver
 
 if TYPE_CHECKING:
     from matplotlib.collections import PolyCollection
@@ -119,11 +119,11 @@ def plot(
     panels = panels[: len(axes)]
     picture(panels, axes, quantity, vmax=vmax, cmap=cmap)
     if len(axes) == 1:
-        title(axes[0], what, heading(panels))
+        title(axes[0], what, words.heading(panels))
     else:
         for panel, place_ax in zip(panels, axes, strict=True):
             title(place_ax, panel)
-        head(whole(axes[0]), *heading(panels))
+        head(whole(axes[0]), *words.heading(panels))
     return axes[0]
 
 
@@ -172,12 +172,10 @@ def picture(
     cmap: Map | None = None,
 ) -> None:
     """Draw fields of one scene into axes, with a common scale and one colour bar."""
-    from .figures import colour_map
+    from .figures import check_axes, colour_map
 
-    if other := [ax for ax in axes if not hasattr(ax, "imshow")]:
-        raise TypeError(
-            f"ax is {other[0]!r}: give Axes of matplotlib; solution.plot().savefig(...) writes a file"
-        )
+    for ax in axes:
+        check_axes(ax)
     scale = colours(panels, quantity, vmax=vmax, loudest=loudest)
     scale = scale.by(colour_map(cmap, MAPS[quantity]))
     images = [draw(panel, ax, scale) for panel, ax in zip(panels, axes, strict=True)]
@@ -189,7 +187,7 @@ def title(ax: Axes, field: Field, lines: Sequence[str] = ()) -> None:
     from .figures import holding
 
     above = lines if holding() is None else []
-    ax.set_title("\n".join([*above, place(field)]), fontsize="medium", wrap=True)
+    ax.set_title("\n".join([*above, words.place(field)]), fontsize="medium", wrap=True)
 
 
 #: Largest ratio of the scale's top to the largest target; the colour bar has an arrow if values are higher.
@@ -222,13 +220,13 @@ def contact_sheet(
     for k, (panel, panel_ax) in enumerate(zip(panels, axes, strict=True)):
         above = "" if k % width else names[k // width] if holding() else _title(panel, names[k // width])
         if width > 1:
-            above = f"{above}\n{place(panel)}" if above else place(panel)
+            above = f"{above}\n{words.place(panel)}" if above else words.place(panel)
         panel_ax.set_title(above, fontsize="medium")
     first = fields[0]
-    targets = [] if first.solution is None else [requested(first.solution.targets, first.scene)]
+    targets = [] if first.solution is None else [words.requested(first.solution.targets, first.scene)]
     if ax is None:
-        reported = ", ".join([*targets, place(first)] if width == 1 else targets)
-        head(figure, reported, marks(rows[0]))
+        reported = ", ".join([*targets, words.place(first)] if width == 1 else targets)
+        head(figure, reported, words.marks(rows[0]))
     return figure
 
 
@@ -249,9 +247,8 @@ def _title(field: Field, name: str) -> str:
     solution = field.solution
     if solution is None:
         return name
-    metrics = solution.metrics
-    numbers = f"accuracy {number(metrics.accuracy)}, sigma {number(metrics.sigma)}, {level(solution)}"
-    return f"{name}{scale(solution)}\n{numbers}"
+    level = words.number(solution.metrics.level)
+    return f"{name}{words.scale(solution)}\n{words.numbers(solution)}, level {level}"
 
 
 #: Number of points for which the distance to the nearest other point is computed.
@@ -262,12 +259,6 @@ SAMPLE = 200
 LEAST = 0.1
 
 
-def is_drawing(field: Field, quantity: Quantity, least: int) -> bool:
-    """Return whether a field shows a drawing: more than `least` points, all in its plane."""
-    assert field.shown is not None
-    return quantity in ("pressure", "radiation") and len(field.shown) > least and bool(field.shown.all())
-
-
 def wanted_made_difference(
     figure: Figure | SubFigure, field: Field, solution: Solution, quantity: Quantity
 ) -> None:
@@ -276,10 +267,12 @@ def wanted_made_difference(
     Targets and difference exist only at the points. Each point is a square as wide as the distance of
     neighbours; the rest is grey.
     """
-    largest = float(solution.targets.max())
+    # Without requested pressures, the level that was found is the wanted one.
+    targets = solution.targets * (1.0 if words.is_requested(solution) else solution.metrics.level)
+    largest = float(targets.max())
     top = max(largest, min(loud(field), HEADROOM * largest))
     scale = colours([field], quantity, loudest=top)
-    wanted = of_pressures(field, solution.targets, scale)
+    wanted = of_pressures(field, targets, scale)
     made = of_pressures(field, np.abs(solution.pressures).astype(np.float64), scale)
     axes = figure.subplots(1, 3, sharex=True, sharey=True)
     ends = (scale.bottom, scale.top)
@@ -288,7 +281,7 @@ def wanted_made_difference(
     apart = made - wanted
     end = min(max(float(np.abs(apart).max()), LEAST * scale.top), scale.top)
     difference = at_points(field, axes[2], apart, "RdBu_r", (-end, end))
-    for ax, name in zip(axes, ("wanted", f"made, {place(field)}", "made - wanted"), strict=True):
+    for ax, name in zip(axes, ("wanted", f"made, {words.place(field)}", "made - wanted"), strict=True):
         ax.set_title(name, fontsize="medium")
     for ax in axes[1:]:
         ax.set_ylabel("")
@@ -329,6 +322,15 @@ PANELS = get_args(Panel)
 #: More points than this are drawn as dots, because bars would overlap.
 MOST_BARS = 40
 
+#: Largest deviation of |p| from the targets at which a request counts as met in a picture.
+MET = 0.02
+
+#: Most points whose numbers are written beside them, and their least distance as a part of the picture.
+MOST_NAMES, NAME_ROOM = 8, 0.12
+
+#: Colours of points and of quiet ones.
+TEAL, AMBER = "#2b6f6b", "#c77d0a"
+
 
 def answer(
     solution: Solution,
@@ -340,7 +342,7 @@ def answer(
     panels: Panel | Iterable[Panel] | None = None,
     size: Size | None = None,
 ) -> Figure:
-    """Draw targets and pressures of each point, in Pa, and the field in the planes through the points.
+    """Draw the field in the planes through the points, and targets and pressures where the request is missed.
 
     Parameters
     ----------
@@ -355,7 +357,8 @@ def answer(
     cmap : str or Colormap, optional
         A colour map of matplotlib; by default the quantity's own.
     panels : {"field", "points"} or list of them, optional
-        The panels to draw; by default both, or the field alone for a single point.
+        The panels to draw; by default both. If each point is within 2 % of its target, the field alone: its
+        plane z, with |p| at the points, and the upright plane through most of them.
     size : float or (float, float), optional
         Size of the figure in inches: its width, or (width, height).
 
@@ -371,25 +374,30 @@ def answer(
     """
     from .figures import chosen, head, new_figure, whole
 
-    scene, metrics = solution.scene, solution.metrics
+    scene = solution.scene
     known = PANELS if scene is not None else PANELS[1:]
     drawn = chosen(panels, known, ax)
     fields = [] if scene is None or "field" not in drawn else field(scene, solution, plane).panels
     if ax is not None:
         if fields:
             picture(fields[:1], [ax], quantity, cmap=cmap)
-            title(ax, fields[0], heading(fields[:1]))
+            title(ax, fields[0], words.heading(fields[:1]))
         else:
             requested_and_got(solution, ax)
         return whole(ax)
-    drawing = len(fields) == 1 and is_drawing(fields[0], quantity, MOST_BARS)
-    # For a single point the heading already contains the numbers of the bar.
-    bars = ("points" in drawn and (panels is not None or len(solution.pressures) > 1)) or not fields
-    if drawing:
+    # A drawing: many points, all in one plane.
+    many = len(fields) == 1 and len(fields[0].shown) > MOST_BARS and bool(fields[0].shown.all())
+    drawing = many and quantity in ("pressure", "radiation")
+    # If the request is met, the points' panel would show equal values: they are written beside the points.
+    met = bool((solution.targets > 0).all()) and words.off(solution) < MET
+    bars = ("points" in drawn and (panels is not None or not met)) or not fields
+    if not bars and not drawing and panels is None and plane is None and len(fields) == 1:
+        fields += upright(fields[0], solution)
+    if drawing and bars:
         figure = new_figure(12.6, 7.2, size)
         upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(4.4, 2.4)).flat
     elif not bars:
-        columns, rows = shape(fields)
+        columns, rows = (3, 1) if drawing else shape(fields)
         figure = new_figure(3.8 * columns + 1.2, 3.6 * rows + 1.0, size)
         upper = figure
     elif len(fields) > 1:
@@ -407,41 +415,96 @@ def answer(
     elif fields:
         axes = grid(upper, fields)
         picture(fields, axes, quantity, cmap=cmap)
+        named = np.zeros(len(solution.pressures), np.bool_)
         for panel, panel_ax in zip(fields, axes, strict=True):
             title(panel_ax, panel)
+            name_points(panel_ax, panel, named)
+            named |= panel.shown
+        if quantity != "phase":
+            wavelength_bar(axes[0], fields[0])
     if bars:
         requested_and_got(solution, lower.subplots())
-    numbers = f"accuracy {number(metrics.accuracy)}, sigma {number(metrics.sigma)}"
-    shown = marks(fields) if fields and not drawing else ""
-    head(figure, solver(solution), f"{reported(solution, scene)}, {numbers}", shown)
+    shown = words.marks(fields) if fields and not drawing else ""
+    first, by = words.sentence(solution), words.solver(solution)
+    lines = [first, f"{by}, {words.reported(solution)}, {words.numbers(solution)}"]
+    head(figure, *(lines if bars else [f"{first}, {by}{words.scale(solution)}"]), shown)
     return figure
 
 
+def upright(plan: Field, solution: Solution) -> list[Field]:
+    """Return the field in the upright plane y through most points of a plane z, as large as that one."""
+    plane, scene = plan.plane, plan.scene
+    assert plane is not None
+    if plane.axis != "z":
+        return []
+    rows, counts = np.unique(scene.points[:, 1].round(6), return_counts=True)
+    # Beside the transducers |p| is larger than in every focus.
+    top = float(scene.array.positions[:, 2].max())
+    lowest = top + plane.size / 2 + scene.wavelength / 2
+    z = max(plane.at, lowest) if plane.at > top else plane.at
+    center = (float(plane.center[0]), z)
+    at = float(rows[counts.argmax()])
+    shown = Plane(axis="y", at=at, size=plane.size, pixels=plane.pixels, center=center)
+    return [field(scene, solution, shown)]
+
+
+def name_points(ax: Axes, field: Field, named: NDArray[np.bool_]) -> None:
+    """Write the number of each point in the plane beside it, and |p| unless `named`, if there is room."""
+    from matplotlib.patheffects import withStroke
+
+    from .figures import holding
+
+    assert field.plane is not None
+    solution, places = field.solution, 1e3 * field.scene.points[:, sides(field)]
+    room = 1e3 * field.plane.size * NAME_ROOM
+    if solution is None or (len(places) > 1 and _pitch(places) < room) or len(places) > MOST_NAMES:
+        return
+    unmeant = named | field.scene.in_paper_unit | (field.scene.signature is not None)
+    style = {"color": "white", "textcoords": "offset points"}
+    style["fontsize"] = "small" if holding() is None else "medium"
+    style["path_effects"] = [withStroke(linewidth=2.2, foreground="black", alpha=0.8)]
+    for k in np.flatnonzero(field.shown):
+        number = str(k + 1) if len(places) > 1 else ""
+        value = "" if unmeant[k] else words.pascals(float(abs(solution.pressures[k])))
+        side, shift = ("right", -6) if places[k, 0] > np.mean(ax.get_xlim()) + room else ("left", 6)
+        ax.annotate(f"{number}  {value}".strip(), places[k], (shift, 6), ha=side, **style)
+
+
+def wavelength_bar(ax: Axes, field: Field) -> None:
+    """Draw a line of one wavelength in the lower right corner."""
+    (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
+    length, x, y = 1e3 * field.scene.wavelength, right - 0.05 * (right - left), bottom + 0.05 * (top - bottom)
+    ax.plot([x - length, x], [y, y], color="white", linewidth=2, solid_capstyle="butt")
+    ax.text(x - length / 2, y + 0.01 * (top - bottom), "\u03bb", color="white", ha="center", va="bottom")
+
+
 def requested_and_got(solution: Solution, ax: Axes) -> None:
-    """Draw |p| and the target of each point, as bars, or as dots if there are many."""
+    """Draw |p| of each point as a dot, with a stem from its target, which is a short line."""
     from matplotlib.ticker import MaxNLocator
 
-    got, targets = np.abs(solution.pressures), solution.targets
+    scene, got, targets = solution.scene, np.abs(solution.pressures), solution.targets
     # Points are numbered from 1 in pictures and tables.
-    index = np.arange(len(got)) + 1
-    quiet = targets == 0
-    for chosen, colour, label in ((~quiet, "tab:blue", "got"), (quiet, "tab:orange", "got at a quiet point")):
-        if not chosen.any():
-            continue
-        if len(got) <= MOST_BARS:
-            ax.bar(index[chosen], got[chosen], 0.7, color=colour, label=label)
-        else:
-            ax.plot(index[chosen], got[chosen], ".", color=colour, markersize=4, label=label)
-    ax.hlines(targets, index - 0.5, index + 0.5, color="black", linewidth=1.2, label="target")
-    scene = solution.scene
-    unit = " in the paper's unit" if scene is not None and scene.in_paper_unit else " / Pa"
+    index, quiet = np.arange(len(got)) + 1, targets == 0
+    top = float(max(got.max(), targets.max())) or 1.0
+    unit = " in the paper's unit" if scene and scene.in_paper_unit else " / Pa"
+    if top >= words.KILO and unit == " / Pa":
+        got, targets, top, unit = got / 1e3, targets / 1e3, top / 1e3, " / kPa"
+    size = 5.0 if len(got) <= MOST_BARS else 2.5
+    for chosen, colour, marker, label in (
+        (~quiet, TEAL, "o", "got"),
+        (quiet, AMBER, "s", "got at a quiet point"),
+    ):
+        if chosen.any():
+            ax.vlines(index[chosen], targets[chosen], got[chosen], color=colour, linewidth=1.1)
+            ax.plot(index[chosen], got[chosen], marker, color=colour, markersize=size, label=label)
+    # Without requested pressures, only the ratios of the targets are meant.
+    if words.is_requested(solution) or scene is None:
+        ax.hlines(targets, index - 0.3, index + 0.3, color="black", linewidth=1.2, label="target")
     ax.set(
         xlabel="point",
-        ylabel=f"|p| of the focus that is a trap{unit}"
-        if scene and scene.signature is not None
-        else f"|p|{unit}",
+        ylabel=f"|p|{' of the focus that is a trap' if scene and scene.signature is not None else ''}{unit}",
         xlim=(0.4, len(got) + 0.6),
-        ylim=(0, 1.18 * max(got.max(), targets.max()) or 1.0),
+        ylim=(0, 1.25 * top),
     )
     ax.xaxis.set_major_locator(MaxNLocator("auto", integer=True, min_n_ticks=1))
     ax.grid(axis="y", alpha=0.3)

@@ -6,17 +6,72 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Field, Scene, Solution, Wall, solvers
-from .colours import is_dark
+from .._points.ear import REFERENCE
+from .._support.text import counted
+from .colours import KILO, is_dark
+
+#: Pressures that differ by less than this factor are written as one number in sentences.
+EVEN = 1.002
 
 
 def heading(fields: Sequence[Field]) -> list[str]:
-    """Return the lines above a field: its solver, its targets and level, and the meaning of the marks."""
+    """Return the lines above a field: a sentence, its solver, and the meaning of the marks."""
     solution, scene = fields[0].solution, fields[0].scene
     if solution is not None:
-        lines = [solver(solution), reported(solution, scene)]
+        lines = [sentence(solution), f"{solver(solution)}, {reported(solution)}"]
     else:
         lines = [] if scene.pressures is None else [requested(np.abs(scene.pressures), scene)]
     return [*lines, *filter(None, [marks(fields)])]
+
+
+def sentence(solution: Solution) -> str:
+    """Return a sentence about a solution: points, pressure, transducers, distance from the request."""
+    loud = solution.targets > 0
+    got, quiet = np.abs(solution.pressures[loud]), np.abs(solution.pressures[~loud])
+    if not got.size:
+        return f"{counted(len(quiet), 'quiet point')}, at most {quiet.max():.3g} Pa"
+    low, high = float(got.min()), float(got.max())
+    paper = solution.scene is not None and solution.scene.in_paper_unit
+    most = f"{high:.4g} in the paper's unit" if paper else _spl(high)
+    level = most if high <= EVEN * low else f"{low:.4g} to {most}"
+    driven = counted(len(np.flatnonzero(solution.drive)), "transducer")
+    words = [f"{counted(len(got), 'point')} at {level} with {driven}"]
+    if is_requested(solution):
+        words.append(f"within {_percent(off(solution))} of what was requested")
+    elif len(got) > 1:
+        words.append(f"even to {_percent(off(solution))}")
+    if quiet.size:
+        words.append(f"{counted(len(quiet), 'quiet point')} at most {quiet.max():.3g} Pa")
+    return ", ".join(words)
+
+
+def pascals(pressure: float) -> str:
+    """Return a pressure with its unit, as short as in a picture."""
+    return f"{pressure / 1e3:#.3g} kPa" if pressure >= KILO else f"{pressure:#.3g} Pa".replace(". Pa", " Pa")
+
+
+def is_requested(solution: Solution) -> bool:
+    """Return whether a scene requests pressures; otherwise only their ratios count."""
+    return solution.scene is not None and solution.scene.pressures is not None
+
+
+def off(solution: Solution) -> float:
+    """Return the largest relative deviation of |p| from the targets above 0, or from their ratios."""
+    loud = solution.targets > 0
+    parts = np.abs(solution.pressures[loud]) / solution.targets[loud]
+    whole = 1.0 if is_requested(solution) else parts.sum() / max(len(parts), 1)
+    return float(np.abs(parts / max(whole, 1e-30) - 1).max(initial=0.0))
+
+
+def _percent(part: float) -> str:
+    """Return a fraction as a percentage with two digits, at least 0.1 %."""
+    return f"{max(100 * part, 0.1):.2g} %"
+
+
+def _spl(pressure: float) -> str:
+    """Return a peak pressure as text, in Pa and in dB SPL."""
+    decibels = 20 * np.log10(max(pressure, 1e-12) / np.sqrt(2) / REFERENCE)
+    return f"{pressure:.4g} Pa ({decibels:.0f} dB)"
 
 
 def quiet(field: Field) -> NDArray[np.bool_]:
@@ -61,14 +116,15 @@ def solver(solution: Solution) -> str:
     return ", ".join([solution.solver, *given])
 
 
-def reported(solution: Solution, scene: Scene | None) -> str:
+def reported(solution: Solution) -> str:
     """Return targets, level and scale of a solution."""
-    return f"{requested(solution.targets, scene)}, {level(solution)}{scale(solution)}"
+    level = number(solution.metrics.level)
+    return f"{requested(solution.targets, solution.scene)}, level {level}{scale(solution)}"
 
 
-def level(solution: Solution) -> str:
-    """Return the level as text."""
-    return f"level {number(solution.metrics.level)}"
+def numbers(solution: Solution) -> str:
+    """Return accuracy and sigma as text."""
+    return f"accuracy {number(solution.metrics.accuracy)}, sigma {number(solution.metrics.sigma)}"
 
 
 def number(value: float) -> str:

@@ -5,7 +5,7 @@ import os
 import shutil
 import struct
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 from numpy.lib import format as npy
+from numpy.typing import NDArray
 
-from .._midair import Scene
+from .._midair import Array, Scene, drive_to_csv
 from .._support import output
 from .._support.arguments import path_of
 from .._support.text import arrays
@@ -50,6 +51,19 @@ def save(path: str | PathLike[str], arrays: dict[str, Any], scene: Scene, settin
     """Write arrays; array, air and obstacles as the JSON text of a scene; and the settings as JSON."""
     with whole(path, (".npz",)) as part:
         np.savez(part, **arrays, scene=scene.json(), setting=output.to_json(setting))
+
+
+def write_csv(path: Path, array: Array | None, drives: Iterable[NDArray[Any]], frames: int) -> None:
+    """Write a row frame,index,x,y,z,amplitude,phase per transducer of each frame.
+
+    A single frame has no column frame, an unknown array no x, y and z.
+    """
+    places = None if array is None else array.positions
+    with path.open("w", encoding="utf-8") as stream:
+        for frame, drive in enumerate(drives):
+            rows = drive_to_csv(drive, places).splitlines(keepends=True)
+            for k, row in enumerate(rows[frame > 0 :], frame > 0):
+                stream.write(f"{frame if k else 'frame'},{row}" if frames > 1 else row)
 
 
 def _stored(path: str | PathLike[str]) -> Stored | None:

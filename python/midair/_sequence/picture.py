@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Plane, field, stated
-from .._pictures.colours import MAPS, Axes, AxesImage, Figure, Map, Size
+from .._pictures.colours import MAPS, Axes, Figure, Size
 from .._pictures.panel import POINT, sides
 from .._support.arguments import callback, whole, without_warnings
 from .._support.text import counted
@@ -28,39 +28,39 @@ if TYPE_CHECKING:
 Panel = Literal["pressures", "changes", "spectrum"]
 PANELS = get_args(Panel)
 
-#: Largest numbers of columns and of rows of an image over time: about what a screen can show. Values are
-#: combined, not skipped.
-COLUMNS, ROWS = 1000, 250
+#: Largest number of places of a line over time: about what a screen can show. Values are combined, not
+#: skipped.
+COLUMNS = 1000
 
-#: Least range of the scale of |p| / target, relative to its top, so that an even sequence has nearly one
-#: colour.
-SPAN = 0.1
+#: Least range of the scale of |p| / target, relative to its top.
+SPAN = 0.15
+
+#: Colours of lines, which differ in a grey print.
+TEAL, RED = "#2b6f6b", "#b8402a"
 
 
 def motion(
     sequence: Frames,
     ax: Axes | None = None,
     *,
-    cmap: Map | None = None,
     panels: Panel | Iterable[Panel] | None = None,
     size: Size | None = None,
 ) -> Figure:
     """Draw |p| / target of the points and phase changes over time, and the spectrum of |p|^2.
 
-    Frames or transducers that share a cell show their least |p| / target and their largest change.
+    Frames that share a place show their least and largest |p| / target and their largest change.
     """
-    from .._pictures.figures import chosen, colour_map, head, new_figure, whole
+    from .._pictures.figures import chosen, head, new_figure, whole
 
     names = chosen(panels, PANELS, ax)
-    colours = colour_map(cmap, MAPS["pressure"])
     if ax is not None:
-        _draw(sequence, names[0], ax, colours)
+        DRAWN[names[0]](sequence, ax)
         return whole(ax)
     heights = [HEIGHTS[name] for name in names]
     figure = new_figure(9.6, 0.6 + 2.3 * sum(heights), size)
     axes = figure.subplots(len(names), 1, height_ratios=heights, squeeze=False)[:, 0]
     for name, one in zip(names, axes, strict=True):
-        _draw(sequence, name, one, colours)
+        DRAWN[name](sequence, one)
     over_time = [one for name, one in zip(names, axes, strict=True) if name != "spectrum"]
     for one in over_time[:-1]:
         one.sharex(over_time[-1])
@@ -71,97 +71,66 @@ def motion(
 
 
 #: Heights of the panels, relative to each other.
-HEIGHTS: dict[Panel, float] = {"pressures": 1.0, "changes": 1.3, "spectrum": 1.2}
+HEIGHTS: dict[Panel, float] = {"pressures": 1.0, "changes": 0.9, "spectrum": 1.2}
 
 
-def _draw(sequence: Frames, panel: Panel, ax: Axes, colours: Map) -> None:
-    if panel == "pressures":
-        _pressures(sequence, ax, colours)
-    elif panel == "changes":
-        _changes(sequence, ax, colours)
-    else:
-        _spectrum(sequence, ax)
-
-
-def _edges(count: int, most: int) -> NDArray[np.intp]:
-    """Return the boundaries of at most `most` groups of neighbours among `count` items."""
-    return np.linspace(0, count, min(count, most) + 1).astype(np.intp)
+def _groups(sequence: Frames) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Return the boundaries of groups of neighbouring frames, and the time in ms in the middle of each."""
+    count = len(sequence)
+    edges = np.linspace(0, count, min(count, COLUMNS) + 1).astype(np.intp)
+    return edges, 1e3 * (edges[:-1] + edges[1:]) / 2 / sequence.rate
 
 
 def _heading(sequence: Frames) -> list[str]:
     metrics = sequence.metrics
     frames, count = sequence.targets.shape
     by = f", {sequence.solver}" if sequence.solver else ""
-    seam = "" if metrics.seam is None else f", seam {metrics.seam:.3f} rad"
+    seam = "" if metrics.seam is None else f", {metrics.seam:.3f} rad from the last frame to the first"
     return [
         f"{counted(frames, 'frame')} at {sequence.rate:g} Hz, {counted(count, 'point')}{by}",
         f"level {metrics.level:.3f}, uniformity {metrics.uniformity:.3f}, dip {metrics.dip:.3f}, "
-        f"largest change {metrics.largest_change:.3f} rad{seam}, noise {metrics.noise:.0f} dB",
+        f"noise {metrics.noise:.0f} dB, largest change {metrics.largest_change:.3f} rad{seam}",
     ]
 
 
-def _pressures(sequence: Frames, ax: Axes, colours: Map) -> None:
-    edges = _edges(len(sequence), COLUMNS)
+def _pressures(sequence: Frames, ax: Axes) -> None:
+    """Draw the band from the least to the largest |p| / target of the points, and the mean of both."""
     there = sequence.targets > 0
-    ratio = np.divide(sequence.pressures, sequence.targets, out=np.full(there.shape, np.inf), where=there)
-    least = np.minimum.reduceat(ratio, edges[:-1], axis=0)
-    shown = np.ma.masked_invalid(least.T)
-    top = float(shown.max()) or 1.0
-    bottom = min(float(shown.min()), (1 - SPAN) * top)
-    # Points are numbered from 1 in pictures and tables.
-    image = _waterfall(ax, shown, sequence, colours, (bottom, top), first=1)
-    ax.set(ylabel="point")
-    _bar(ax, image, "|p| / target")
-
-
-def _changes(sequence: Frames, ax: Axes, colours: Map) -> None:
-    count, edges = len(sequence.array), _edges(len(sequence), COLUMNS)
-    largest = np.zeros((len(edges) - 1, count), np.float32)
-    column = np.searchsorted(edges, np.arange(len(sequence)), side="right") - 1
-    for frames in blocks(len(sequence), count):
-        np.maximum.at(largest, column[frames], sequence.each_change(frames.start, frames.stop))
-    # The red line of the bound must lie within the colour bar.
-    top = max(float(largest.max()), 1.1 * (sequence.change or 0.0)) or 1.0
-    rows = np.maximum.reduceat(largest.T, _edges(count, ROWS)[:-1], axis=0)
-    image = _waterfall(ax, rows, sequence, colours, (0.0, top), count=count)
-    ax.set(ylabel="transducer")
-    bound = "" if sequence.change is None else " (red: bound)"
-    bar = _bar(ax, image, f"phase change / rad{bound}")
-    if sequence.change is not None:
-        bar.ax.axhline(sequence.change, color="red", linewidth=2.5)
-
-
-def _waterfall(
-    ax: Axes,
-    values: NDArray[Any],
-    sequence: Frames,
-    colours: Map,
-    ends: tuple[float, float],
-    *,
-    first: int = 0,
-    count: int | None = None,
-) -> AxesImage:
-    """Draw values (rows, columns) over time, for `count` items (default: rows) numbered from `first`."""
-    from matplotlib.ticker import MaxNLocator
-
-    ax.set_facecolor("lightgrey")
-    ax.set_xlabel("time / ms")
-    ax.yaxis.set_major_locator(MaxNLocator("auto", integer=True, min_n_ticks=1))
-    low = first - 0.5
-    return ax.imshow(
-        values,
-        aspect="auto",
-        origin="lower",
-        extent=(0.0, 1e3 * len(sequence) / sequence.rate, low, low + (count or len(values))),
-        cmap=colours,
-        vmin=ends[0],
-        vmax=ends[1],
-        interpolation="nearest",
+    part = np.full(there.shape, np.nan)
+    np.divide(100 * sequence.pressures, sequence.targets, out=part, where=there)
+    edges, times = _groups(sequence)
+    least, most = (
+        extreme.reduceat(extreme.reduce(part, axis=1), edges[:-1]) for extreme in (np.fmin, np.fmax)
     )
+    ax.axhline(100, color="grey", linestyle=":", linewidth=0.9)
+    ax.fill_between(times, least, most, color=TEAL, alpha=0.35, linewidth=0)
+    ax.plot(times, (least + most) / 2, color=TEAL, linewidth=1.1)
+    top = float(np.nanmax([100.0, *most])) + 2
+    bottom = min(float(np.nanmin([100.0, *least])) - 2, (1 - SPAN) * top)
+    ax.set(ylabel="|p| / target, %", xlabel="time / ms", ylim=(bottom, top))
+    if part.shape[1] > 1:
+        ax.set_title(f"all {part.shape[1]} points lie within the band", loc="left", fontsize="small")
 
 
-def _bar(ax: Axes, image: AxesImage, label: str) -> Any:
-    return ax.figure.colorbar(image, ax=ax, pad=0.01, label=label)
+def _changes(sequence: Frames, ax: Axes) -> None:
+    """Draw the largest phase change of all transducers in each frame, and the bound."""
+    largest = np.zeros(len(sequence), np.float32)
+    for frames in blocks(len(sequence), len(sequence.array)):
+        largest[frames] = sequence.each_change(frames.start, frames.stop).max(axis=1)
+    # The change to the first frame is the seam, which the heading states.
+    edges, times = _groups(sequence)
+    shown = np.maximum.reduceat(largest, edges[:-1])
+    shown[0] = largest[1 : edges[1]].max(initial=0.0) if edges[1] > 1 else np.nan
+    ax.plot(times, shown, color=TEAL, linewidth=1.1)
+    bound = sequence.change if sequence.change is not None and sequence.change < np.pi else None
+    if bound is not None:
+        ax.axhline(bound, color=RED, linestyle="--", linewidth=0.9, zorder=1)
+        part = np.pi / bound if bound else 0.5
+        name = f"\u03c0/{part:.0f}" if abs(part - round(part)) < 1e-6 else f"{bound:.3g} rad"
+        where = {"transform": ax.get_yaxis_transform(), "ha": "right", "va": "bottom"}
+        ax.text(0.99, bound, f"bound {name}", color=RED, fontsize="small", **where)
+    ax.set(ylabel="largest phase\nchange / rad", xlabel="time / ms")
+    ax.set_ylim(0, 1.35 * max(float(np.nan_to_num(shown).max()), bound or 0.0) or 1.0)
 
 
 def _spectrum(sequence: Frames, ax: Axes) -> None:
@@ -180,6 +149,13 @@ def _spectrum(sequence: Frames, ax: Axes) -> None:
     ax.grid(alpha=0.3)
     ax.legend(loc="best")
 
+
+#: The function that draws each panel.
+DRAWN: dict[Panel, Callable[[Frames, Axes], None]] = {
+    "pressures": _pressures,
+    "changes": _changes,
+    "spectrum": _spectrum,
+}
 
 ENDINGS = (".gif", ".webp", ".mp4")
 

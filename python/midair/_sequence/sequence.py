@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._midair import Plane
-from .._pictures.colours import Axes, Figure, Map, Size
+from .._pictures.colours import Axes, Figure, Size
 from .._support.arguments import needs, path_of
 from .._support.slips import Later
 from .._support.text import reading
@@ -80,18 +80,15 @@ class Sequence(Frames):
         self,
         ax: Axes | None = None,
         *,
-        cmap: Map | None = None,
         panels: Panel | Iterable[Panel] | None = None,
         size: Size | None = None,
     ) -> Figure:
-        """Draw waterfalls of |p| / target and of phase changes, and the spectrum of the radiation pressure.
+        """Draw |p| / target and phase changes over time, and the spectrum of the radiation pressure.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
             Axes of your own for one panel, the first of `panels`.
-        cmap : str or Colormap, optional
-            A colour map of matplotlib.
         panels : {"pressures", "changes", "spectrum"} or list of them, optional
             The panels to draw; by default all.
         size : float or (float, float), optional
@@ -105,9 +102,9 @@ class Sequence(Frames):
         Raises
         ------
         SceneError
-            If the colour map, a panel or the size is invalid.
+            If a panel or the size is invalid.
         """
-        return motion(self, ax, cmap=cmap, panels=panels, size=size)
+        return motion(self, ax, panels=panels, size=size)
 
     def animate(
         self,
@@ -146,6 +143,8 @@ class Sequence(Frames):
     def save(self, path: str | PathLike[str]) -> None:
         """Write the sequence as .npz: points, targets, drives (or codes), scene (array and air) and settings.
 
+        As .csv, only the drives: rows frame,index,x,y,z,amplitude,phase.
+
         Parameters
         ----------
         path : str or path
@@ -156,6 +155,11 @@ class Sequence(Frames):
         SceneError
             If the file's ending is unknown, or the path cannot be written.
         """
+        if path_of("path", path).suffix.lower() == ".csv":
+            with files.whole(path, (".csv",)) as part:
+                each = (self.drive(frame) for frame in range(len(self)))
+                files.write_csv(part, self.array, each, len(self))
+            return
         arrays = {"points": self._points, "targets": self._targets, "drives": self._drives.kept}
         files.save(path, arrays, self._scene, self.setting())
 

@@ -1,6 +1,7 @@
 """Plays the points that other programs send, and keeps the board off while no program sends any."""
 
 import math
+import re
 import threading
 import time
 from collections.abc import Callable, Hashable, Iterator
@@ -17,7 +18,7 @@ from .._boards.errors import BoardError, BoardLost
 from .._boards.transport import before_what_computes
 from .._midair import Scene, stated
 from .._sequence import stream
-from .._support.arguments import frame_rate, number
+from .._support.arguments import frame_rate, number, warn, warnings_to
 from ..path import Path
 from .life import Life
 
@@ -29,6 +30,13 @@ LOOKED, LEAST_DURATION = 16, 1e-3
 
 #: Time in s between two keep-alive messages to the board while it gets no new frame.
 REST = 0.05
+
+#: Bound of phases in rad/s unless another is given: pi/16 a frame at 10 kHz, which transducers follow. A slow
+#: board needs all of it, because a hand moves far between two of its frames.
+CHANGE_RATE = math.pi / 16 * 10e3
+
+#: Time in s within which a client gets a warning of one kind once.
+AGAIN = 1.0
 
 #: Longest time in s that a caller waits until the board is off.
 PATIENCE = 1.0
@@ -69,7 +77,7 @@ class Live:
     rate
         Frames per second, at most the board's own rate, which is the default.
     change
-        Largest change of a phase in rad per frame; by default that of the points.
+        Largest change of a phase in rad per frame; by default that of the points, or CHANGE_RATE.
     again
         Connects to the board again if it is lost. Without it, or if it fails, `wait` raises the error.
     """
@@ -87,6 +95,9 @@ class Live:
         self.connection = connection
         #: The last error of a playback, and the source of its points; None once others play.
         self.failed: tuple[Hashable, str] | None = None
+        #: Called with the source of points that caused a warning, and its text.
+        self.warned: Callable[[Hashable, str], object] = lambda source, text: None
+        self._noted: dict[tuple[Hashable, str], float] = {}
         self._again = again
         self._wave: Any = None
         # The condition protects what follows, and is notified of changes.
@@ -145,6 +156,14 @@ class Live:
             if self._life.play(wanted.source, now, tracked=tracked):
                 self._wanted, self._begun, self.failed = wanted, now, None
                 self._news.notify_all()
+
+    def note(self, source: Hashable, text: str) -> None:
+        """Pass on a warning about points of a source, and show it; each kind at most once in a while."""
+        now, kind = time.monotonic(), (source, re.sub(r"[\d.e+-]+", "", text))
+        self._noted = {kind: at for kind, at in self._noted.items() if now < at + AGAIN}
+        if self._noted.setdefault(kind, now) == now:
+            self.warned(source, text)
+            warn(text)
 
     def modulate(self, wave: float | ArrayLike | None) -> None:
         """Modulate all drives, also after the board was lost and connected again."""
@@ -218,7 +237,8 @@ class Live:
             with self._news:
                 self._news.wait_for(lambda: self._over.done() or not self._dark or self._left())
             try:
-                self._stream()
+                with warnings_to(lambda text: self.note(self._current and self._current.source, text)):
+                    self._stream()
                 if self._alive() is None:
                     self._darken()
             # An error of any kind ends the playback of the present points only; later points are played.
@@ -260,7 +280,7 @@ class Live:
         if (wanted := self._alive()) is None:
             return
         board, period = self.connection.board, 1 / self.rate
-        change = wanted.change if self._change is None else self._change
+        change = self._change or wanted.change or min(CHANGE_RATE / self.rate, math.pi)
         frames: list[Frame] = []
         due = time.monotonic()
         last: bytes | None = None

@@ -9,6 +9,7 @@ import math
 import time
 from collections.abc import Callable, Hashable
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from websockets.asyncio.server import ServerConnection
 
 from .._boards.errors import BoardError
 from .._midair import SceneError, numbers, stated
-from .._support.arguments import json_object, number, refused, vectors
+from .._support.arguments import json_object, number, refused, vectors, warnings_to
 from ..path import Path
 from .life import SILENCE
 from .live import Live
@@ -89,7 +90,8 @@ class Talk:
     def obey(self, message: str | bytes, _: float) -> None:
         """Execute a message and answer."""
         try:
-            answer = obey(self._live, self._client, message, self._repeat)
+            with warnings_to(partial(self._live.note, self._client)):
+                answer = obey(self._live, self._client, message, self._repeat)
         except (SceneError, BoardError) as error:
             answer = {"error": str(error)}
         if answer:

@@ -9,6 +9,7 @@ arrives. A second thread executes the messages, because some of them wait for th
 
 import asyncio
 import hmac
+import json
 import logging
 import re
 import secrets
@@ -30,7 +31,7 @@ from websockets.exceptions import ConnectionClosed
 from .._boards.errors import BoardError
 from .._boards.transport import before_what_computes
 from .._midair import SceneError, stated
-from .._support.arguments import refused
+from .._support.arguments import refused, warnings_to
 from . import osc
 from .adaptics import Page, Player
 from .live import Live
@@ -54,6 +55,9 @@ RECEIVED = 1 << 16
 
 #: What browsers send as the origin of a page.
 ORIGIN = re.compile(r"[a-z][a-z0-9+.-]*://[^\s/?#@*]+", re.IGNORECASE)
+
+#: Tokens that a user may choose.
+TOKEN = re.compile(r"[\w-]{16,}", re.ASCII)
 
 #: Strangers must not fill the terminal, so the library logs nothing.
 SILENT = logging.Logger("midair.serve", logging.CRITICAL + 1)
@@ -132,20 +136,27 @@ class PointServer(AbstractContextManager["PointServer"]):
         Ports of 127.0.0.1 for WebSocket and for OSC; 0 chooses free ones.
     origins
         Origins of web pages that may connect, such as "http://localhost:8000".
+    token
+        The token; by default a random one.
 
     Raises
     ------
     SceneError
-        If a port is not available, and for what is no origin.
+        If a port is not available, for what is no origin, and for a token that is easy to guess.
     """
 
-    def __init__(self, live: Live, port: int = 0, osc_port: int = 0, origins: Iterable[str] = ()) -> None:
+    def __init__(
+        self, live: Live, port: int = 0, osc_port: int = 0, origins: Iterable[str] = (), token: str = ""
+    ) -> None:
+        if token and not TOKEN.fullmatch(token):
+            raise refused("token", token, "give at least 16 of A to Z, a to z, 0 to 9, - and _")
         self._live = live
         self._origins = [None, *map(_origin, origins)]
         self._player = Player(live)
         self._tcp, self._udp = _bound(port, osc_port)
         self.port, self.osc = (each.getsockname()[1] for each in (self._tcp, self._udp))
-        self.token = secrets.token_urlsafe(16)
+        self.token = token or secrets.token_urlsafe(16)
+        live.warned = self._warn
         self._clients: set[Client] = set()
         #: Executes messages, and how many of each source wait.
         self._work = ThreadPoolExecutor(1, initializer=before_what_computes)
@@ -217,7 +228,7 @@ class PointServer(AbstractContextManager["PointServer"]):
 
     async def _attend(self, client: Client) -> None:
         """Take a client's messages until it leaves."""
-        adaptics = client.request is not None and urlsplit(client.request.path).path == "/adaptics"
+        adaptics = _of_adaptics(client)
         talk = Page(client, self._player) if adaptics else Talk(client, self._live)
         most = MOST_PATTERN if adaptics else MOST_BYTES
         code, reason = 1000, ""
@@ -271,17 +282,31 @@ class PointServer(AbstractContextManager["PointServer"]):
         if not self._waiting[source]:
             del self._waiting[source]
 
+    def _warn(self, source: Hashable, text: str) -> None:
+        """Send a warning to the program whose message caused it. The protocol of Adaptics has no warnings."""
+        if isinstance(source, tuple):
+            with suppress(OSError):
+                self._udp.sendto(osc.written("warning", {"warning": text}), source)
+        elif isinstance(source, Client) and not _of_adaptics(source):
+            source.say(json.dumps({"warning": text}))
+
     def _obey_osc(self, messages: list[tuple[bytes, int]], sender: Any) -> None:
         for message in messages:
             try:
                 name, (token, *values) = osc.read(*message)
-                answer = obey_osc(self._live, sender, name, values) if self._knows(token) else {}
+                with warnings_to(partial(self._live.note, sender)):
+                    answer = obey_osc(self._live, sender, name, values) if self._knows(token) else {}
                 name = name if name == "metrics" else "state"
             except (SceneError, BoardError) as error:
                 answer, name = {"error": str(error)}, "error"
             if answer:
                 with suppress(OSError):
                     self._udp.sendto(osc.written(name, answer), sender)
+
+
+def _of_adaptics(client: Client) -> bool:
+    """Return whether a client uses the protocol of Adaptics."""
+    return client.request is not None and urlsplit(client.request.path).path == "/adaptics"
 
 
 def _origin(given: str) -> str:

@@ -6,8 +6,9 @@ import os
 import reprlib
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from os import PathLike
 from pathlib import Path
 from types import FrameType
@@ -31,8 +32,25 @@ def refused(item: str, value: Any, cure: str, code: str = "invalid") -> SceneErr
     return stated(item, f"is {shown(given)}", cure, code)
 
 
+#: Function that takes the warnings of this thread instead of Python's filters.
+_taker: ContextVar[Callable[[str], None] | None] = ContextVar("taker", default=None)
+
+
+@contextmanager
+def warnings_to(take: Callable[[str], None]) -> Iterator[None]:
+    """Pass the warnings of a block in this thread to a function; Python does not show them."""
+    before = _taker.set(take)
+    try:
+        yield
+    finally:
+        _taker.reset(before)
+
+
 def warn(text: str) -> None:
     """Emit a SceneWarning that points to the line of the caller's code."""
+    if take := _taker.get():
+        take(str(text))
+        return
     level, frame = 1, sys._getframe()
     while frame.f_back is not None and _is_inside(frame):
         level, frame = level + 1, frame.f_back
@@ -42,7 +60,7 @@ def warn(text: str) -> None:
 @contextmanager
 def without_warnings() -> Iterator[None]:
     """Suppress the SceneWarnings of a block, which were given before or do not concern the caller."""
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), warnings_to(lambda text: None):
         warnings.simplefilter("ignore", SceneWarning)
         yield
 

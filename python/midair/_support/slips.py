@@ -172,8 +172,10 @@ def _slip(
         # Other keywords are a solver's options. An unknown one may be a mistyped argument's name.
         cause = vars(error).get("reported", error)
         unknown = isinstance(cause, SceneError) and cause.code == "unknown" and cause.value == keyword
-        if unknown and (meant := nearest(keyword, known)):
-            better = restated(cause, meant=meant)
+        if unknown and (meant := nearest(keyword, [*known, *DECLARED["keys"]])):
+            # The air and the array of a scene are no arguments of what solves it.
+            own = meant in known or name != "midair.solve"
+            better = restated(cause, meant=meant if own else f"{meant} of a midair.Scene")
             return better if cause is error else TypeError(str(better))
     # Python's own error names the private function.
     reason = isinstance(error, TypeError) and _unbound(signature, arguments, keywords)

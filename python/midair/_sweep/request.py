@@ -66,11 +66,11 @@ def read(source: str | PathLike[str] | Mapping[str, Any], *, drives: bool = Fals
 
 def _read(given: Mapping[str, Any], path: Path | None, drives: bool) -> Request:
     try:
+        known(given, sweep_keys()[""], "sweep")
         tables = plain(given)
     except RecursionError as error:
         cure = "give tables as a sweep file has them"
         raise stated("the sweep", "is nested too deep, or holds itself", cure) from error
-    known(tables, sweep_keys()[""], "sweep")
     seed = whole(tables.get("seed", 0), "seed")
     trials, seeds = _trials(tables.get("seeds", 1))
     axes = read_axes(tables)

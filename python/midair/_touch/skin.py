@@ -414,7 +414,7 @@ class Skin(Facts):
         """
         from .._pictures.figures import colour_map, row
 
-        figure, axes = row(panels, get_args(Panel), ax, size, width=3.6, height=3.4)
+        figure, axes = row(panels, get_args(Panel), ax, size, width=3.9, height=3.4)
         colours = colour_map(cmap, MAPS["pressure"])
         best = int(self.strength.argmax()) if place is None else self._nearest(place)
         for name, one in axes.items():
@@ -464,7 +464,7 @@ def _draw(skin: Skin, panel: Panel, ax: Axes, colours: Map, best: int) -> None:
         _map(skin, ax, skin.pressure, "radiation pressure, mean / Pa", colours)
         return
     if panel == "motion":
-        _map(skin, ax, 1e6 * skin.rms, "skin motion, rms / um", colours)
+        _map(skin, ax, 1e6 * skin.rms, "skin motion, rms / µm", colours)
         first, second = _widest(skin)
         ax.plot(1e3 * skin.places[best, first], 1e3 * skin.places[best, second], "+", color="tab:cyan")
         return
@@ -473,7 +473,8 @@ def _draw(skin: Skin, panel: Panel, ax: Axes, colours: Map, best: int) -> None:
     ax.vlines(skin.frequencies, 1e-4, np.maximum(lines, 1e-4), color="tab:blue", label="skin at +")
     ax.plot(audible, 1e6 * threshold(audible), color="black", linewidth=0.9, label="just felt")
     ax.set(xscale="log", yscale="log", xlim=(3, HIGHEST), ylim=(1e-2, 100))
-    ax.set(xlabel="frequency / Hz", ylabel="displacement / um", title=f"{skin.level:.0f} dB at most")
+    ax.set(xlabel="frequency / Hz", ylabel="displacement / µm")
+    ax.set_title(f"strongest: {skin.level:.0f} dB above threshold", fontsize="medium")
     ax.legend(loc="lower left", fontsize="small")
 
 

@@ -19,10 +19,10 @@ from .._midair import Path
 from .._support import slips as _slips
 from ._frames import from_array, read
 from ._gcode import gcode, lcode
-from ._kinds import circle, line, lissajous, morph, polyline, still, svg
+from ._kinds import circle, line, lissajous, morph, polyline, still, svg, text
 from ._optimal import fastest
 
 __all__ = ["Path", "circle", "fastest", "from_array", "gcode", "lcode", "line", "lissajous"]
-__all__ += ["morph", "polyline", "read", "still", "svg"]
+__all__ += ["morph", "polyline", "read", "still", "svg", "text"]
 
 _slips.attach(__name__)

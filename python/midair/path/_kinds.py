@@ -1,11 +1,14 @@
 """The kinds of paths; their arguments are the keys of `[[motion.path]]` in a scene file."""
 
+import functools
 import math
 from os import PathLike
 
 from numpy.typing import ArrayLike
 
 from .._midair import Path
+from .._support.arguments import number
+from ..shape._figures import letters
 from ..shape._vector_graphics import one_outline
 
 
@@ -245,6 +248,60 @@ def svg(
     """
     corners, closed = one_outline(path, size, z)
     return polyline(corners, speed=speed, frequency=frequency, closed=closed, pressures=pressures)
+
+
+def text(
+    string: str,
+    *,
+    height: float,
+    z: float,
+    speed: float,
+    fade: float = 0.005,
+    font: str | None = None,
+    pressures: ArrayLike | None = None,
+) -> Path:
+    """Move a point along the outlines of a line of text, its middle at (0, 0, z), and back to the start.
+
+    Between two outlines it fades out at one while another point fades in at the next.
+
+    Parameters
+    ----------
+    string : str
+        One line of text.
+    height : float
+        Height of a capital H in m.
+    z : float
+        Height of the plane in m.
+    speed : float
+        Speed in m/s.
+    fade : float, optional
+        Time in s between two outlines.
+    font : str, optional
+        Name of a font, as for `midair.shape.text`.
+    pressures : float, optional
+        Peak pressure in Pa; by default the balanced level.
+
+    Returns
+    -------
+    Path
+        The path, closed if the outlines are one or an even number.
+
+    Raises
+    ------
+    SceneError
+        As for `midair.shape.text`, and for a speed or a fade not above 0.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.path.text("i", height=0.02, z=0.15, speed=1).closed
+    True
+    """
+    contours = letters(string, height, z, font)
+    ways = [polyline(corners, speed=speed, closed=True, pressures=pressures) for corners, _ in contours]
+    if len(ways) > 1:
+        ways.append(still(ways[0].at([0])[0], duration=number("fade", fade, above=0), pressures=pressures))
+    return functools.reduce(lambda path, way: path.then(way, fade), ways)
 
 
 def morph(

@@ -155,7 +155,12 @@ def text(string: str, *, height: float, z: float, step: float = STEP, font: str 
     >>> round(float(points[:, 1].max() - points[:, 1].min()), 2)
     0.03
     """
-    step, height, z = number("step", step), number("height", height, above=0), number("z", z)
+    return points_along(letters(string, height, z, font), number("step", step))
+
+
+def letters(string: str, height: float, z: float, font: str | None) -> list[Contour]:
+    """Return the outlines of a text in the plane at z, the arguments as for `text`."""
+    height, z = number("height", height, above=0), number("z", z)
     if not word("string", string).strip():
         raise refused("string", string, "give at least a letter")
     for letter in string:
@@ -170,7 +175,7 @@ def text(string: str, *, height: float, z: float, step: float = STEP, font: str 
         raise refused("string", string, "its letters have no outlines, give others")
     (_, low), (_, high) = box(capital)
     scale = height / (high - low)
-    return points_along(placed(outlines, (scale, scale), z), step)
+    return placed(outlines, (scale, scale), z)
 
 
 def _outlines(string: str, font: str | None) -> list[Contour]:
