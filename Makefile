@@ -187,7 +187,7 @@ fuzz/.venv/ready: fuzz/requirements.txt .venv/ready
 	$(BIN)/uv pip install --quiet --python $(@D)/bin/python --constraint constraints.txt --requirements $< --requirements pyproject.toml
 	touch $@
 
-bench: ## Ratios: to the textbook loop, of boards' grids and transducers; latency (1 min once built)
+bench: ## Ratios: to the textbook loop, and of fields (1 min once built)
 	$(CARGO) bench --quiet -p midair --features parallel
 
 RIVALS := autd3/ready autd3-rs textbook.so planar.so $(if $(ACOUSTOOLS),acoustools/ready)
