@@ -50,6 +50,8 @@ LAYERS = (
 #: Imports upward, each with its reason.
 UPWARD = {
     ("midair._sequence.sequence", "midair._judging.exposure"): "a method, loaded at its first use",
+    ("midair.path._optimal", "midair._flight.fly"): "it simulates the fastest run, loaded at its first use",
+    ("midair.path._optimal", "midair._sequence.solve"): "as `_flight.fly`",
 }
 
 #: Modules that import by a name that they compute, each with the reason.

@@ -180,6 +180,46 @@ def test_a_bead_is_as_near_its_point_as_at_a_constant_speed(name: str) -> None:
     assert far[0] < min(1.05 * far[1], 0.8e-3)
 
 
+QUICK = {("circle", False), ("square", True)}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "level"),
+    [
+        pytest.param(name, level, marks=[] if (name, level) in QUICK else pytest.mark.long)
+        for name in closed_curves()
+        for level in (False, True)
+    ],
+)
+def test_no_constant_speed_whose_bead_is_as_near_is_faster_than_the_default(name: str, level: bool) -> None:
+    points, boards = closed_curves()[name], midair.Array.preset("openmpd_pair")
+    points = points[:, [0, 2, 1]] if level else points
+    path = midair.path.fastest(points, boards)
+
+    def far(run: midair.Path) -> float:
+        sequence = midair.sequence(boards, run, rate=10e3, signature="trap", change=np.pi / 4)
+        return float(midair.fly(sequence, duration=0.2).farthest[0])
+
+    own = far(path)
+    assert own < 2e-3
+    for faster in (1.005, 1.05):
+        even = stepped(points, round(1e4 * path.duration / faster))[:, None]
+        assert far(midair.path.from_array(even, rate=1e4, closed=True)) > 0.99 * own
+    # The lap is at most that of a margin of .3. It takes at most .5 of the force, or has a constant speed.
+    assert path.duration < 1.01 * midair.path.fastest(points, boards, margin=0.3).duration
+    places = path.at(np.arange(0, path.duration, 1e-4))[:, 0]
+    speeds = (np.roll(places, -1, axis=0) - np.roll(places, 1, axis=0)) / 2e-4
+    gains = (np.roll(places, -1, axis=0) - 2 * places + np.roll(places, 1, axis=0)) / 1e-8
+    rates = np.linalg.norm(speeds[1:-1], axis=1)
+    for k in range(
+        1, len(places) - 1, len(places) // 12 if rates.min() < 0.98 * rates.max() else len(places)
+    ):
+        trap = midair.rest(midair.solve(SCENE.replace(points=places[k : k + 1])))
+        needed = SCENE._needed(speeds[k : k + 1], gains[k : k + 1])[0]
+        assert np.linalg.norm(trap.axes[0] @ needed / trap.restoring[0].min(axis=1)) < 0.53
+
+
 @pytest.mark.parametrize(
     ("points", "keywords", "refusal"),
     [

@@ -156,6 +156,9 @@ def _push(ax: Axes, field: Field, axes: tuple[int, int]) -> None:
     places[..., axes[0]], places[..., axes[1]] = np.meshgrid(reach, reach)
     for trap in scene.points[field.shown]:
         around = (trap + places).reshape(-1, 3)
+        for wall in scene.obstacles:
+            # Behind a wall is no sound.
+            around = around[(around - wall.point) @ wall.normal * ((trap - wall.point) @ wall.normal) > 0]
         force = solution.gorkov(around).force[:, axes]
         size = np.linalg.norm(force, axis=1, keepdims=True)
         arrow = force / np.sqrt(np.maximum(size, 1e-30) * (size.max() or 1.0))

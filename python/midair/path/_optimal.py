@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._midair import Array, Bead, Path, Scene, rest, solve, stated
-from .._support.arguments import flag, number, refused, vectors
+from .._support.arguments import flag, number, refused, vectors, without_warnings
 from .._support.slips import BEAD, part_of_bead
 from ._frames import Numbers, from_array
 
@@ -39,13 +39,26 @@ TICK, SMOOTH = 1e-4, 1e-3
 #: Longest run in s, and least margin.
 LONGEST, LEAST = 100.0, 1e-4
 
+#: Without a margin: the one that gives the time of a run. A closed run then takes more force for a lower top
+#: speed, because transducers follow late: a bead is behind its point in proportion to its speed. A constant
+#: speed may take the part `STEADY` of the force; any other run, whose force changes more, the part `MORE`.
+MARGIN, STEADY, MORE = 0.3, 0.5, 0.35
+#: Ratio of two times of laps that count as equal.
+SAME = 1.005
+
+#: Constant speeds that race a closed run, relative to its mean; and the frames per second of the simulations,
+#: at most `FRAMES` in a lap that races, at least `FLOWN` in s and laps.
+RACED, RATE, FRAMES, FLOWN = (1.0, 1.03, 1.07, 1.12, 1.2, 1.3), 5e3, 1000, (0.15, 3)
+#: Ratios of distances: up to `NEAR` a bead counts as near, beyond `FAR` no higher speed is tried.
+NEAR, FAR = 1.05, 2.0
+
 
 def fastest(
     points: ArrayLike,
     array: Array | Scene,
     *,
     closed: bool = True,
-    margin: float = 0.3,
+    margin: float | None = None,
     speed: float | None = None,
     bead: Bead | Mapping[str, Any] | None = None,
     **air: Any,
@@ -63,7 +76,9 @@ def fastest(
         ends at rest.
     margin : float, optional
         Part of a trap's largest force along each of its axes that the run may take, from 1e-4 to below 1. The
-        rest is for a board's steps, other points and draught; `midair.fly` shows whether it suffices.
+        rest is for a board's steps, other points and draught; `midair.fly` shows whether it suffices. By
+        default 0.3. A closed run without `margin` and `speed` takes up to 0.5 for a more even speed. It gives
+        way to a constant speed that is faster, if a simulated bead stays as near its point.
     speed : float, optional
         Highest speed in m/s, at most 20. The transducers follow late, so a bead is behind its point by about
         .25 ms of its way; a lower speed bounds this distance.
@@ -85,7 +100,7 @@ def fastest(
     Notes
     -----
     The trap of a single point is solved at places along the curve. The least force that `midair.rest`
-    reports along each of its axes limits the run, which includes drag.
+    reports along each of its axes limits the run, which includes drag. The simulations take some seconds.
 
     Examples
     --------
@@ -99,7 +114,7 @@ def fastest(
     for name in sorted(BEAD & air.keys()):
         # `Scene` takes them for those of the air.
         raise part_of_bead("midair.path.fastest", name)
-    share = number("margin", margin, least=LEAST)
+    share = number("margin", MARGIN if margin is None else margin, least=LEAST)
     if share >= 1:
         raise refused("margin", margin, "give a number below 1")
     if isinstance(array, Scene):
@@ -113,8 +128,12 @@ def fastest(
     curve = _smooth(vectors("points", points, least=4), loop)
     traps = _traps(scene, curve)
     speeds = _speeds(scene, curve, traps, (share, top), loop)
+    races = loop and margin is None and speed is None
+    if races:
+        speeds = _evened(scene, curve, traps, speeds)
     places = curve.at(_timed(curve.step, speeds, loop, share), loop)
-    return from_array(places[:, None], rate=1 / TICK, closed=loop)
+    run = from_array(places[:, None], rate=1 / TICK, closed=loop)
+    return _raced(scene, curve, run) if races and run.duration * RATE < FRAMES else run
 
 
 class _Curve(NamedTuple):
@@ -300,11 +319,68 @@ def _speeds(scene: Scene, curve: _Curve, traps: _Traps, limit: tuple[float, floa
     return found
 
 
+def _evened(scene: Scene, curve: _Curve, traps: _Traps, squares: Numbers) -> Numbers:
+    """Return a run (S,) of the same lap with a lower top speed, or `squares` where more force gives none."""
+    wanted = _times(curve.step, squares)[-1]
+    steady = (len(squares) - 1) * curve.step / wanted
+    even = _speeds(scene, curve, traps, (STEADY, steady), True)
+    if _times(curve.step, even)[-1] < SAME * wanted:
+        return even
+    most = _speeds(scene, curve, traps, (MORE, TOP), True)
+    low, high = steady**2, float(most.max())
+    for _ in range(40):
+        middle = (low + high) / 2
+        slow = _times(curve.step, most.clip(max=middle))[-1] > wanted
+        low, high = (middle, high) if slow else (low, middle)
+    # To brake for a bend takes force from below the limit, so the lap may last longer than that of `most`.
+    for _ in range(3):
+        even = _speeds(scene, curve, traps, (MORE, float(np.sqrt(high))), True)
+        longer = _times(curve.step, even)[-1] / wanted
+        if longer < SAME:
+            return even
+        high *= longer**3
+    return squares
+
+
+def _raced(scene: Scene, curve: _Curve, run: Path) -> Path:
+    """Return a closed run, or the fastest constant speed whose simulated bead stays as near its point.
+
+    Beads ring in their traps. How much depends on the rate of the laps, so a faster lap may be nearer.
+    """
+    from .._flight.fly import fly
+    from .._sequence.solve import air_of, sequence
+
+    def far(path: Path) -> float:
+        frames = sequence(scene.array, path, rate=RATE, change=np.pi / 4, **air_of(scene))
+        flight = fly(frames, duration=max(FLOWN[0], FLOWN[1] * path.duration))
+        return float(flight.farthest[0]) if flight.held[0] else np.inf
+
+    last = len(curve.places) - 1
+    with without_warnings():
+        most, best = far(run), run
+        for faster in RACED:
+            count = round(run.duration / faster / TICK)
+            places = curve.at(np.arange(count) * (last * curve.step / count), True)
+            even = from_array(places[:, None], rate=1 / TICK, closed=True)
+            distance = far(even)
+            if distance > FAR * most:
+                break
+            best = even if distance <= NEAR * most else best
+    return best
+
+
+@np.errstate(divide="ignore", invalid="ignore")
+def _times(step: float, squares: Numbers) -> Numbers:
+    """Return the times (S,) in s at the steps of a run with these squared speeds."""
+    speeds = np.sqrt(squares)
+    times: Numbers = np.concatenate([[0], np.cumsum(2 * step / (speeds[1:] + speeds[:-1]))])
+    return times
+
+
 @np.errstate(divide="ignore", invalid="ignore")
 def _timed(step: float, squares: Numbers, loop: bool, margin: float) -> Numbers:
     """Return lengths (T,) in m along the curve at each tick of a run with these squared speeds, smoothed."""
-    speeds = np.sqrt(squares)
-    times = np.concatenate([[0], np.cumsum(2 * step / (speeds[1:] + speeds[:-1]))])
+    speeds, times = np.sqrt(squares), _times(step, squares)
     if not times[-1] < LONGEST:
         raise refused("margin", margin, f"the run takes more than {LONGEST:g} s, give a larger part")
     count = int(np.ceil(times[-1] / TICK))
