@@ -1,7 +1,7 @@
 /** midair in Node and browsers: scenes that are solved, evaluated and played. */
 
 import type { Notice } from "../studio/src/state/refusal.ts";
-import { compile, Door } from "../studio/src/solving/door.ts";
+import { compile, Door, written } from "../studio/src/solving/door.ts";
 
 export { type Notice, Refusal } from "../studio/src/state/refusal.ts";
 export type * from "../studio/src/solving/door.ts";
@@ -58,8 +58,8 @@ export async function load(source: Source = new URL(/* @vite-ignore */ "./midair
       return catalogue;
     },
     open(scene, { toml, scalar } = {}) {
+      const text = typeof scene === "string" ? scene : written(scene);
       const door = new Door(module);
-      const text = typeof scene === "string" ? scene : JSON.stringify(scene);
       try {
         const warnings = door.open(text, toml ?? !/^\s*\{/.test(text), scalar);
         return Object.assign(door, { warnings });

@@ -253,6 +253,58 @@ test("a move that is refused leaves the scene as it was", () => {
   scene.free();
 });
 
+const numbers = (...values) => Float64Array.from(values);
+const [nan, huge] = [Number.NaN, { length: 1e9 }];
+const wrong = {
+  "frame(NaN)": [(scene) => scene.frame(nan), "whole-number"],
+  "frame(0.5)": [(scene) => scene.frame(0.5), "whole-number"],
+  "frame(undefined)": [(scene) => scene.frame(), "whole-number"],
+  "frame(2 ** 32)": [(scene) => scene.frame(2 ** 32), "whole-number"],
+  "moved(-1)": [(scene) => scene.moved(-1), "whole-number"],
+  "fly(NaN)": [(scene) => scene.fly(nan, 200), "whole-number"],
+  "fly(0, NaN)": [(scene) => scene.fly(0, nan), "not-finite"],
+  "along(NaN)": [(scene) => scene.along([points], nan), "whole-number"],
+  "along of NaN": [(scene) => scene.along([[[nan, 0, 0], [0, 0, 0]]], 9), "invalid"],
+  "follow(-1)": [(scene) => scene.follow(numbers(), -1), "whole-number"],
+  "follow of NaN": [(scene) => scene.follow(new Float64Array(12).fill(nan), 2), "not-finite"],
+  "field of 4 numbers": [(scene) => scene.field(numbers(0, 0, 0.1, 0)), "numbers-count"],
+  "field of 1e9 numbers": [(scene) => scene.field(huge), "numbers-count"],
+  "field of -1 numbers": [(scene) => scene.field({ length: -1 }), "numbers-count"],
+  "field of NaN": [(scene) => scene.field(numbers(nan, 0, 0.1)), "not-finite"],
+  "probe of two places": [(scene) => scene.probe(points.flat()), "numbers-count"],
+  "skin(NaN)": [(scene) => scene.skin(numbers(0, 0, 0.1, 0.01, 0, 0.1, 0, 0.01, 0.1, 0.01, 0.01, 0.1), nan), "not-finite"],
+  "a drive of 1e9 numbers": [(scene) => scene.load(huge), "numbers-count"],
+  "a pressure of NaN": [() => midair.open({ ...ring(), points: [{ position: points[0], pressure: nan }] }), "type"],
+  "a rate of infinity": [() => midair.open({ array: { preset: "autd3" }, motion: { rate: Number.POSITIVE_INFINITY, path: [] } }), "type"],
+  "a scene in itself": [() => midair.open(Object.defineProperty({}, "a", { enumerable: true, get() { return this; } })), "scene-form"],
+};
+for (const [name, [act, code]] of Object.entries(wrong)) {
+  test(`one line refuses ${name}, and the scene goes on`, () => {
+    const scene = midair.open(ring());
+    scene.follow(numbers(...points.flat(), ...points.flat()), 2);
+    assert.throws(() => act(scene), (error) => error instanceof Refusal && error.notice.code === code && !error.message.includes("\n"));
+    assert.equal(scene.solve().status, "done");
+    scene.free();
+  });
+}
+
+test("a scene that is freed or lost is refused in one line, and may be freed again", () => {
+  const freed = midair.open(ring());
+  freed.free();
+  const lost = midair.open(ring());
+  const trap = () => {
+    throw new WebAssembly.RuntimeError("unreachable");
+  };
+  lost.wasm = { ...lost.wasm, studio_solve: trap };
+  assert.throws(() => lost.solve(), /^Error: the scene is lost \(unreachable\): open it anew/);
+  for (const scene of [freed, lost]) {
+    for (const act of [() => scene.solve(), () => scene.save(false), () => scene.move(points), () => scene.silence("sonicsurface")]) {
+      assert.throws(act, /^Error: the scene was freed: open it anew$/);
+    }
+    scene.free();
+  }
+});
+
 test("a missing module is one line", async () => {
   await assert.rejects(load(new URL("file:///nowhere/midair.wasm")), /nowhere/);
   await assert.rejects(load(new Uint8Array([1, 2, 3])), /WebAssembly/);

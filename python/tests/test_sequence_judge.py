@@ -377,3 +377,9 @@ def test_a_point_on_a_transducer_is_named_by_frame_and_index() -> None:
         _ = made(points=points).pressures
     with pytest.raises(TypeError, match="no argument 'wind'"):
         made(wind=0.5)
+
+
+def test_a_sequence_of_hours_is_refused_before_its_noise_takes_all_memory() -> None:
+    with pytest.raises(MemoryError, match=r"noise needs .* MB of .* allowed: take a shorter part") as refused:
+        made(wild(200), rate=0.01).judge()
+    assert len(str(refused.value).splitlines()) == 1

@@ -9,13 +9,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _midair
-from .._midair import numbers
+from .._midair import memory_limit, numbers, stated
 from .._support.arguments import number, refused
+from .._support.ctrl_c import interruptibly
 from .._support.text import Facts
 from .drives import Envelope
 
 #: Samples per second of the envelope. Frequencies above half of it alias, at least 30 dB weaker.
 SAMPLES = 160e3
+
+#: Bytes of memory per sample: six copies in double precision.
+EACH = 48
 
 #: Range of audible frequencies, in Hz.
 RECEIVED = (20.0, 16e3)
@@ -38,13 +42,19 @@ def noise(envelope: Envelope) -> float:
 
 def _loudness(envelope: Envelope) -> float:
     substeps = ceil(SAMPLES / envelope.rate)
+    if (needed := EACH * len(envelope.drives) * substeps) > memory_limit():
+        memory = f"{needed >> 20} MB of {memory_limit() >> 20} allowed"
+        raise stated("noise", f"needs {memory}", "take a shorter part of the sequence", code="memory")
     energy = np.empty((len(envelope.drives), substeps))
     live = max(int(envelope.drives.live.sum()), 1)
     for frames, steps, y in envelope.inside(substeps):
         energy[frames, steps] = np.square(y.view(np.float32)).sum(axis=-1, dtype=np.float64) / live
-    rate = substeps * envelope.rate
-    flat = energy.ravel()
-    if envelope.closed:
+    return interruptibly(_weighted, energy.ravel(), substeps * envelope.rate, envelope.closed)
+
+
+def _weighted(flat: NDArray[np.float64], rate: float, closed: bool) -> float:
+    """Return the A-weighted rms of the second derivative of values, `rate` of them a second."""
+    if closed:
         bent = np.roll(flat, -1) - 2 * flat + np.roll(flat, 1)
         window = np.ones(len(bent))
     else:

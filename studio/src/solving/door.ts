@@ -4,8 +4,9 @@ import { refuse } from "../state/notice.ts";
 import { type Notice, Refusal } from "../state/refusal.ts";
 import type { OwnArray, Vec3 } from "../state/types.ts";
 
-/** A CSV file with more transducers is rejected. */
+/** A CSV file with more transducers, and a call with more numbers, is rejected. */
 const MOST_TRANSDUCERS = 16384;
+const MOST_NUMBERS = 1e8;
 
 /** Quality of a drive at the points with a target above 0. */
 export interface Metrics {
@@ -125,13 +126,23 @@ export async function compile(bytes: BufferSource): Promise<WebAssembly.Module> 
   }
 }
 
+/** Writes a scene as JSON, which has no NaN and no infinity: they become text, which is refused where it stands. */
+export function written(scene: object): string {
+  try {
+    return JSON.stringify(scene, (_, value) => (typeof value === "number" && !Number.isFinite(value) ? String(value) : value)) ?? "";
+  } catch (error) {
+    refuse("scene-form", { value: String(error).split("\n")[0] });
+  }
+}
+
 /** The numbers of the results in the module. */
 const [TEXT, NUMBERS, DRIVE, PRESSURES, BYTES] = [0, 1, 2, 3, 4];
 
 /** A scene of its own in a compiled module, which can be solved, evaluated and played. */
 export class Door {
   private readonly wasm: Exports;
-  private readonly studio: number;
+  /** Its address in the module; 0 once it is freed or lost. */
+  private studio: number;
 
   constructor(module: WebAssembly.Module) {
     this.wasm = new WebAssembly.Instance(module, {}).exports as unknown as Exports;
@@ -139,7 +150,7 @@ export class Door {
   }
 
   catalogue(): Catalogue {
-    this.wasm.studio_catalogue(this.studio);
+    this.run("catalogue");
     return JSON.parse(this.text());
   }
 
@@ -169,7 +180,7 @@ export class Door {
   move(points: readonly (readonly number[])[], pressures: readonly number[] = []): void {
     const odd = points.findIndex((point) => point.length !== 3);
     if (odd >= 0) refuse("point-form", { item: odd, point: odd + 1, value: points[odd].length });
-    this.giveNumbers([...points.flat(), ...pressures]);
+    this.giveNumbers("points", [...points.flat(), ...pressures]);
     this.call("move", points.length);
   }
 
@@ -196,7 +207,7 @@ export class Door {
 
   /** Sets the drive, and the factor that the supply voltage or modulation must apply. */
   load(drive: ArrayLike<number>, scale = 1): void {
-    this.giveNumbers(drive);
+    this.giveNumbers("drive", drive, 2);
     this.call("load", scale);
   }
 
@@ -225,14 +236,14 @@ export class Door {
 
   /** Returns re and im of p at places (K, 3) in m. */
   field(places: Float64Array): Float32Array {
-    this.giveNumbers(places);
+    this.giveNumbers("places", places, 3);
     this.call("field");
     return new Float32Array(...this.result(PRESSURES, 2)).slice();
   }
 
   /** Returns the field values at a place in m. */
   probe(place: Vec3): Probe {
-    this.giveNumbers(place);
+    this.giveNumbers("place", place, 3, 3);
     this.call("probe");
     const [re, im, level, radiation] = this.numbers();
     return { pressure: [re, im], level, radiation };
@@ -240,8 +251,8 @@ export class Door {
 
   /** Returns at most this many points along the straight lines between the vertices of each contour; m. */
   along(contours: Vec3[][], most: number): Vec3[] {
-    this.giveNumbers(contours.flatMap((contour) => [contour.length, ...contour.flat()]));
-    this.call("along", most);
+    this.giveNumbers("contours", contours.flatMap((contour) => [contour.length, ...contour.flat()]));
+    this.call("along", whole("most", most));
     return places(this.numbers());
   }
 
@@ -261,8 +272,8 @@ export class Door {
 
   /** Solves frames (T, M, 3) in m one after the other; without points, those of the scene's motion. */
   follow(points: Float64Array = new Float64Array(), frames = 0): Frame[] {
-    this.giveNumbers(points);
-    this.call("follow", frames);
+    this.giveNumbers("points", points, 3);
+    this.call("follow", whole("frames", frames));
     const all = this.numbers();
     return Array.from({ length: all.length / 3 }, (_, t) => {
       const [change, least, most] = all.subarray(3 * t);
@@ -271,7 +282,7 @@ export class Door {
   }
 
   frame(index: number): Float32Array {
-    this.call("frame", index);
+    this.call("frame", whole("frame", index));
     return this.drive();
   }
 
@@ -280,7 +291,7 @@ export class Door {
    * `rate` frames per second.
    */
   skin(places: Float64Array, rate: number): Touch {
-    this.giveNumbers(places);
+    this.giveNumbers("places", places, 3);
     this.call("skin", rate);
     const all = this.numbers();
     return { width: all[0], peak: all[1], strengths: all.slice(2) };
@@ -288,13 +299,13 @@ export class Door {
 
   /** Returns the displacement of that skin in m at each place, at the start of a frame. */
   moved(frame: number): Float64Array {
-    this.call("moved", frame);
+    this.call("moved", whole("frame", frame));
     return this.numbers();
   }
 
   /** Simulates the bead in the trap of a point while the frames of `follow` repeat at `rate` frames/s. */
   fly(point: number, rate: number): Flight {
-    this.call("fly", point, rate);
+    this.call("fly", whole("point", point), rate);
     const all = this.numbers();
     return { lost: all[0], farthest: all[1], places: all.slice(2) };
   }
@@ -312,11 +323,24 @@ export class Door {
   }
 
   free(): void {
-    this.wasm.studio_free(this.studio);
+    if (this.studio) this.run("free");
+    this.studio = 0;
   }
 
   private call(job: string, ...inputs: number[]): void {
-    if (this.wasm[`studio_${job}`](this.studio, ...inputs)) throw new Refusal(JSON.parse(this.text()));
+    if (this.run(job, ...inputs)) throw new Refusal(JSON.parse(this.text()));
+  }
+
+  /** Calls a function of the module. A trap, because memory is used up, ends the scene: its state is unknown then. */
+  private run(job: string, ...inputs: number[]): number {
+    if (!this.studio) refuse("scene-freed");
+    try {
+      return this.wasm[`studio_${job}`](this.studio, ...inputs);
+    } catch (error) {
+      if (!(error instanceof WebAssembly.RuntimeError)) throw error;
+      this.studio = 0;
+      return refuse("scene-broken", { value: error.message });
+    }
   }
 
   // A call can grow the memory, which detaches old views; so each view is made after the call.
@@ -333,7 +357,7 @@ export class Door {
 
   private giveText(text: string): void {
     const encoded = new TextEncoder().encode(text);
-    const address = this.wasm.studio_text_in(this.studio, encoded.length);
+    const address = this.run("text_in", encoded.length);
     new Uint8Array(this.wasm.memory.buffer, address, encoded.length).set(encoded);
   }
 
@@ -341,10 +365,21 @@ export class Door {
     this.giveText(`${name.replace(/\s+/g, " ")}\n${text}`);
   }
 
-  private giveNumbers(numbers: ArrayLike<number>): void {
-    const address = this.wasm.studio_numbers_in(this.studio, numbers.length);
-    new Float64Array(this.wasm.memory.buffer, address, numbers.length).set(numbers);
+  /** Gives the module numbers, so many in each entry. */
+  private giveNumbers(item: string, numbers: ArrayLike<number>, each = 1, most = MOST_NUMBERS): void {
+    const count = numbers.length;
+    if (!(Number.isInteger(count / each) && count >= 0 && count <= most)) {
+      refuse("numbers-count", { item, value: String(count), other: each });
+    }
+    const address = this.run("numbers_in", count);
+    new Float64Array(this.wasm.memory.buffer, address, count).set(numbers);
   }
+}
+
+/** Checks a number or an index of something. */
+function whole(item: string, value: number): number {
+  if (!(Number.isInteger(value) && value >= 0 && value < 2 ** 32)) refuse("whole-number", { item, value: String(value) });
+  return value;
 }
 
 /** Returns places as [x, y, z] from K x 3 numbers. */
