@@ -88,6 +88,22 @@ def test_workflows_test_pull_requests_and_build_tags_on_three_systems() -> None:
         assert f"{system}-latest" in wheels
 
 
+def test_the_containers_run_the_readmes_two_commands() -> None:
+    dockerfile = (ROOT / "Dockerfile").read_text("utf-8")
+    assert re.findall(r"^make (\w+) ", (ROOT / "README.md").read_text("utf-8"), re.MULTILINE) == [
+        "demo",
+        "test",
+    ]
+    assert "\nRUN make demo\n" in dockerfile
+    assert dockerfile.endswith('CMD ["make", "test"]\n')
+    container = json.loads((ROOT / ".devcontainer" / "devcontainer.json").read_text("utf-8"))
+    assert f" AS {container['build']['target']}\n" in dockerfile
+    assert container["postCreateCommand"] == "make demo"
+    (rust,) = re.findall(r"^FROM rust:(\d+)\.(\d+)-", dockerfile, re.MULTILINE)
+    oldest = tomllib.loads((ROOT / "Cargo.toml").read_text("utf-8"))["workspace"]["package"]["rust-version"]
+    assert [*map(int, rust)] >= [int(part) for part in oldest.split(".")]
+
+
 def test_the_crate_brings_its_licence() -> None:
     assert (ROOT / "core" / "LICENSE").read_text("utf-8") == (ROOT / "LICENSE").read_text("utf-8")
 
