@@ -223,7 +223,7 @@ docs: setup site ## Build the book, the documentation as a site: out/site/index.
 site: book/.venv/ready
 	cd python && $(abspath $(PYTHON)) -B stubs midair
 	$(call step,book: built where nothing warns (10 s),NO_MKDOCS_2_WARNING=1 book/.venv/bin/mkdocs build --quiet --strict --config-file book/mkdocs.yml)
-	$(call step,book: every link followed and every public name looked up (6 s),$(PYTHON) book/links.py out/site)
+	$(call step,book: every link followed (6 s),$(PYTHON) book/links.py out/site)
 	@echo; echo "Open $(CURDIR)/out/site/index.html. Its search needs a server: python3 -m http.server --directory out/site"
 
 # The book's generator and the notebooks for tests of the studio each have an environment with their own libraries. midair
