@@ -322,6 +322,17 @@ def test_compare_takes_some_solvers_in_the_order_given(run: Run) -> None:
     assert [row.split()[0] for row in out.strip().splitlines()[4:-2]] == ["naive", "greedy"]
 
 
+@pytest.mark.parametrize(("channels", "kept"), [("", 0), (f"channels = {[*range(72)]}\n", 4)])
+def test_solve_prints_how_many_beads_the_traps_hold(run: Run, channels: str, kept: int) -> None:
+    places = ([0.01, 0, 0], [-0.01, 0, 0], [0, 0.01, 0], [0, -0.01, 0])
+    points = "".join(f"[[points]]\nposition = {place}\n" for place in places)
+    scene = f'signature = "trap"\n[array]\npreset = "tinylev"\n{channels}{points}'
+    Path("traps.toml").write_text(scene, encoding="utf-8")
+    assert f"traps hold {kept} of 4 beads of 2 mm and 29 kg/m3\n" in run("solve", "traps.toml")[1]
+    Path("foci.toml").write_text(scene.replace("trap", "focus").replace("signature", "#"), encoding="utf-8")
+    assert "beads" not in run("solve", "foci.toml")[1]
+
+
 def test_leak_is_reported_where_there_are_quiet_points(run: Run) -> None:
     Path("quiet.toml").write_text(SCENE.replace("pressure = 1700.0", "pressure = 0"), encoding="utf-8")
     leak = midair.solve(midair.Scene.load("quiet.toml")).metrics.leak

@@ -18,7 +18,7 @@ from rich.text import Text
 from .. import Field, Solution
 from .._judging.compare import cells, weakest
 from .._pictures.colours import Figure, table
-from .._pictures.words import sentence
+from .._pictures.words import beads, sentence
 from .._support import output
 
 #: Largest number of characters per row of a picture in the terminal; the characters for pressures from 0 to
@@ -118,8 +118,8 @@ def print_solutions(
     columns = cells(solutions, names, gaps)
     best = max(range(len(solutions)), key=lambda k: weakest(solutions[k]))
     name = f"{names[best]}: " if len(solutions) > 1 else ""
-    words = f"{name}{sentence(solutions[best])}"
-    print_columns(command, columns if len(solutions) == 1 else best_of(columns), words)
+    words = [f"{name}{sentence(solutions[best])}", *filter(None, [beads(solutions[best])])]
+    print_columns(command, columns if len(solutions) == 1 else best_of(columns), *words)
 
 
 def print_columns(command: str, columns: Mapping[str, list[str]], *sentences: str) -> None:
