@@ -248,6 +248,7 @@ def test_samples_become_the_boards_codes() -> None:
     assert steps[0].payloads[0].endswith(bytes([255, 128, 0, 128]))
 
 
+@pytest.mark.slow
 def test_techniques_of_a_caller_are_compared_at_equal_drive() -> None:
     place, rate = [0, 0, 0.2], 4e3
     ring = midair.path.circle(place, 0.01, frequency=200)

@@ -321,6 +321,7 @@ def test_a_chain_needs_the_frames_of_each_of_its_modulations() -> None:
         assert len(chain.frames(400.0)[0]) >= 80
 
 
+@pytest.mark.slow
 def test_a_text_is_drawn_outline_after_outline_and_closes() -> None:
     drawn = path.text("i", height=0.02, z=Z, speed=0.5)
     places, targets = drawn.frames(2e3)

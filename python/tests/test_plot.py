@@ -65,6 +65,7 @@ def test_plot_without_axes_has_a_panel_for_each_plane() -> None:
     assert len({ax.images[0].get_clim() for ax in figure.axes[:3]}) == 1
 
 
+@pytest.mark.slow
 def test_a_met_request_has_values_at_the_points_and_an_upright_plane() -> None:
     points = [[-0.02, 0, 0.15], [0.02, 0, 0.15], [0, 0.02, 0.15]]
     solution = midair.solve(small(points=points, pressures=[30, 40, 50]), "uniform")

@@ -129,7 +129,7 @@ def test_drives_are_a_table_of_frames(tmp_path: Path) -> None:
     assert len(rows) == 25 * FRAMES - 1
     assert midair.read(tmp_path / "a.csv") == pytest.approx(sequence.drives, abs=1e-6)
     (tmp_path / "short.csv").write_text("\n".join(text.splitlines()[:-1]), "utf-8")
-    with pytest.raises(midair.SceneError, match="different lengths"):
+    with pytest.raises(midair.SceneError, match="rows are not all transducers"):
         midair.read(tmp_path / "short.csv")
 
 

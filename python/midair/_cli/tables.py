@@ -29,9 +29,6 @@ SHADES = " .:-=+*#%@"
 #: The same for terminals of 16 colours, which would show the picture in garish ones.
 BLOCKS = " ░▒▓█"
 
-#: Spaces between two columns.
-APART = 3
-
 #: Columns that a narrow terminal does not show; the first ones are left out first.
 SPARED = ("sigma", "residual", "limit", "complex error", "accuracy", "steps", "time", "gap")
 

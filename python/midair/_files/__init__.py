@@ -120,16 +120,12 @@ def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64
     if names >= {"amplitude", "phase"}:
         if head[0].lower() != "frame":
             return drive_from_csv(data, f'file "{path}"')
-        frames: dict[str, list[str]] = {}
-        for row in filter(str.strip, text(path, data).splitlines()[line:]):
-            frames.setdefault(cells(row)[0], [first]).append(row)
-        name = f'of file "{path}"'
-        each = [drive_from_csv("\n".join(rows).encode(), f"frame {k} {name}") for k, rows in frames.items()]
-        if len({len(drive) for drive in each}) != 1:
-            raise fault(
-                path, None, "its frames are of different lengths, or none", "give as many rows in each"
-            )
-        return np.stack(each)
+        _, rows = read_table(data, f'file "{path}"', ["frame", "index", "amplitude", "phase"], units="")
+        frames, rest = divmod(len(rows), max(int(rows[:, 1].max()) + 1, 1))
+        if rest or (rows[:, :2] != np.argwhere(np.ones((frames, len(rows) // frames)))).any():
+            raise fault(path, None, "its rows are not all transducers of one frame after another", CSV)
+        drives: NDArray[np.complex64] = (rows[:, 2] * np.exp(1j * rows[:, 3])).astype(np.complex64)
+        return drives.reshape(frames, -1)
     if "intensity" in names:
         return control_points.read(path, data)
     values = [number(cell) for cell in head]

@@ -40,9 +40,6 @@ Quantity = Literal["pressure", "radiation", "spl", "phase"]
 #: Range of a level's scale in dB: its lower end is a thousandth of the pressure at the top.
 DEPTH = 60.0
 
-#: Below this fraction of the loudest pressure, the phase is noise and is not drawn.
-FAINT = 0.01
-
 #: A picture whose |p| is below this fraction of the points' is called dark, and its title says so.
 DARK = 1e-4
 
@@ -83,7 +80,7 @@ class Colours:
     own: Map | None = None
 
     def values(self, field: Field) -> NDArray[np.float64]:
-        """Return the values to draw. Phases are masked where the pressure is almost 0."""
+        """Return the values to draw, of all quantities but the phase."""
         return _values(field, self.quantity) * self.factor
 
     @property
@@ -181,10 +178,6 @@ def _values(field: Field, quantity: Quantity) -> NDArray[np.float64]:
         return pressure**2 if field.scene.in_paper_unit else field.radiation
     if quantity == "pressure":
         return pressure
-    if quantity == "phase":
-        return np.ma.masked_where(
-            pressure <= FAINT * loud(field), np.angle(field.pressure).astype(np.float64)
-        )
     return 20 * np.log10(np.maximum(pressure, 1e-30) / _zero_decibel(field))
 
 

@@ -11,7 +11,20 @@ from numpy.typing import NDArray
 
 from .._midair import Field, Plane, Solution, field, stated
 from . import words
-from .colours import MAPS, Axes, Figure, Map, Quantity, Size, SubFigure, beyond, colours, loud, of_pressures
+from .colours import (
+    KILO,
+    MAPS,
+    Axes,
+    Figure,
+    Map,
+    Quantity,
+    Size,
+    SubFigure,
+    beyond,
+    colours,
+    loud,
+    of_pressures,
+)
 from .panel import add_bar, draw, frame, grid, paint, shape, sides
 
 if TYPE_CHECKING:
@@ -386,30 +399,26 @@ def answer(
             requested_and_got(solution, ax)
         return whole(ax)
     # A drawing: many points, all in one plane.
-    many = len(fields) == 1 and len(fields[0].shown) > MOST_BARS and bool(fields[0].shown.all())
+    inside = fields[0].shown if len(fields) == 1 else None
+    many = inside is not None and len(inside) > MOST_BARS and bool(inside.all())
     drawing = many and quantity in ("pressure", "radiation")
     # If the request is met, the points' panel would show equal values: they are written beside the points.
     met = bool((solution.targets > 0).all()) and words.off(solution) < MET
     bars = ("points" in drawn and (panels is not None or not met)) or not fields
     if not bars and not drawing and panels is None and plane is None and len(fields) == 1:
         fields += upright(fields[0], solution)
-    if drawing and bars:
-        figure = new_figure(12.6, 7.2, size)
-        upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(4.4, 2.4)).flat
-    elif not bars:
-        columns, rows = (3, 1) if drawing else shape(fields)
-        figure = new_figure(3.8 * columns + 1.2, 3.6 * rows + 1.0, size)
-        upper = figure
-    elif len(fields) > 1:
-        columns, rows = shape(fields)
-        figure = new_figure(max(3.4 * columns + 0.9, 8.0), 3.6 * rows + 4.0, size)
-        upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(3.6 * rows + 0.3, 3.2)).flat
-    elif fields:
+    columns, rows = (3, 1) if drawing or not fields else shape(fields)
+    width, height = 3.8 * columns + 1.2, 3.6 * rows + 1.0
+    if not bars:
+        figure = upper = new_figure(width, height, size)
+    elif not fields:
+        figure = lower = new_figure(6.4, 4.4, size)
+    elif len(fields) == 1 and not drawing:
         figure = new_figure(11.0, 4.9, size)
         upper, lower = figure.subfigures(1, 2, squeeze=False, width_ratios=(1.0, 1.1)).flat
     else:
-        figure = new_figure(6.4, 4.4, size)
-        lower = figure
+        figure = new_figure(max(width, 8.0), height + 2.8, size)
+        upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(height, 2.8)).flat
     if drawing:
         wanted_made_difference(upper, fields[0], solution, quantity)
     elif fields:
@@ -418,8 +427,7 @@ def answer(
         named = np.zeros(len(solution.pressures), np.bool_)
         for panel, panel_ax in zip(fields, axes, strict=True):
             title(panel_ax, panel)
-            name_points(panel_ax, panel, named)
-            named |= panel.shown
+            named = name_points(panel_ax, panel, named)
         if quantity != "phase":
             wavelength_bar(axes[0], fields[0])
     if bars:
@@ -448,19 +456,23 @@ def upright(plan: Field, solution: Solution) -> list[Field]:
     return [field(scene, solution, shown)]
 
 
-def name_points(ax: Axes, field: Field, named: NDArray[np.bool_]) -> None:
-    """Write the number of each point in the plane beside it, and |p| unless `named`, if there is room."""
+def name_points(ax: Axes, field: Field, named: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Write the number of each point in the plane beside it, and |p| unless `named`, if there is room.
+
+    Returns the points that are named now.
+    """
     from matplotlib.patheffects import withStroke
 
     from .figures import holding
 
     assert field.plane is not None
+    assert field.shown is not None
     solution, places = field.solution, 1e3 * field.scene.points[:, sides(field)]
     room = 1e3 * field.plane.size * NAME_ROOM
     if solution is None or (len(places) > 1 and _pitch(places) < room) or len(places) > MOST_NAMES:
-        return
+        return named
     unmeant = named | field.scene.in_paper_unit | (field.scene.signature is not None)
-    style = {"color": "white", "textcoords": "offset points"}
+    style: dict[str, Any] = {"color": "white", "textcoords": "offset points"}
     style["fontsize"] = "small" if holding() is None else "medium"
     style["path_effects"] = [withStroke(linewidth=2.2, foreground="black", alpha=0.8)]
     for k in np.flatnonzero(field.shown):
@@ -468,6 +480,7 @@ def name_points(ax: Axes, field: Field, named: NDArray[np.bool_]) -> None:
         value = "" if unmeant[k] else words.pascals(float(abs(solution.pressures[k])))
         side, shift = ("right", -6) if places[k, 0] > np.mean(ax.get_xlim()) + room else ("left", 6)
         ax.annotate(f"{number}  {value}".strip(), places[k], (shift, 6), ha=side, **style)
+    return named | field.shown
 
 
 def wavelength_bar(ax: Axes, field: Field) -> None:
@@ -487,7 +500,7 @@ def requested_and_got(solution: Solution, ax: Axes) -> None:
     index, quiet = np.arange(len(got)) + 1, targets == 0
     top = float(max(got.max(), targets.max())) or 1.0
     unit = " in the paper's unit" if scene and scene.in_paper_unit else " / Pa"
-    if top >= words.KILO and unit == " / Pa":
+    if top >= KILO and unit == " / Pa":
         got, targets, top, unit = got / 1e3, targets / 1e3, top / 1e3, " / kPa"
     size = 5.0 if len(got) <= MOST_BARS else 2.5
     for chosen, colour, marker, label in (

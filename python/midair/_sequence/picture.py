@@ -108,8 +108,8 @@ def _pressures(sequence: Frames, ax: Axes) -> None:
     top = float(np.nanmax([100.0, *most])) + 2
     bottom = min(float(np.nanmin([100.0, *least])) - 2, (1 - SPAN) * top)
     ax.set(ylabel="|p| / target, %", xlabel="time / ms", ylim=(bottom, top))
-    if part.shape[1] > 1:
-        ax.set_title(f"all {part.shape[1]} points lie within the band", loc="left", fontsize="small")
+    if (count := sequence.points.shape[1]) > 1:
+        ax.set_title(f"all {count} points lie within the band", loc="left", fontsize="small")
 
 
 def _changes(sequence: Frames, ax: Axes) -> None:
@@ -127,7 +127,7 @@ def _changes(sequence: Frames, ax: Axes) -> None:
         ax.axhline(bound, color=RED, linestyle="--", linewidth=0.9, zorder=1)
         part = np.pi / bound if bound else 0.5
         name = f"\u03c0/{part:.0f}" if abs(part - round(part)) < 1e-6 else f"{bound:.3g} rad"
-        where = {"transform": ax.get_yaxis_transform(), "ha": "right", "va": "bottom"}
+        where: dict[str, Any] = {"transform": ax.get_yaxis_transform(), "ha": "right", "va": "bottom"}
         ax.text(0.99, bound, f"bound {name}", color=RED, fontsize="small", **where)
     ax.set(ylabel="largest phase\nchange / rad", xlabel="time / ms")
     ax.set_ylim(0, 1.35 * max(float(np.nan_to_num(shown).max()), bound or 0.0) or 1.0)
