@@ -33,7 +33,8 @@ const withPolicy = (html, ...sources) => html.replace("<head>", `<head>\n    ${p
 const assetFileNames = ({ names }) => (names[0]?.endsWith(".wasm") ? "[name][extname]" : "assets/[name]-[hash][extname]");
 await page(`${out}/site`, { assetsInlineLimit: 0, rolldownOptions: { output: { assetFileNames } } });
 const index = `${out}/site/index.html`;
-await writeFile(index, withPolicy(await readFile(index, "utf8"), "'self'", "'self'", "'self'"));
+const preload = '  <link rel="preload" href="./midair.wasm" as="fetch" crossorigin />\n  </head>';
+await writeFile(index, withPolicy(await readFile(index, "utf8"), "'self'", "'self'", "'self'").replace("</head>", preload));
 
 // The files that the service worker stores for use without a network.
 const kept = ["./", "midair.wasm", ...(await readdir(`${out}/site/assets`)).map((name) => `assets/${name}`)];

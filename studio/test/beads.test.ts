@@ -39,7 +39,7 @@ test("a bead goes around with its trap, for laps of a second", () => {
   expect(flight.farthest).toBeLessThan(0.3e-3);
   expect(strayed(flight)).toBeLessThan(0.1e-3);
   expect(flight.places).toHaveLength(3 * 1000);
-  const place = beadsAt([flight], 125, 250)[0];
+  const place = beadsAt([flight], 125, 250, 1000)[0];
   // The bead lags behind its point by half a frame and the transducers' time constant, .7 ms.
   expect(Math.hypot(place[0] + 0.01, place[1], place[2])).toBeLessThan(0.3e-3);
   expect(fateOf([flight], english)).toEqual([`The bead stays, at most ${(1000 * flight.farthest).toFixed(2)} mm from its point`]);
@@ -48,8 +48,8 @@ test("a bead goes around with its trap, for laps of a second", () => {
 test("a bead that is carried too fast is lost, and is drawn until then", () => {
   const flights = flown([[0, 0, 0]], 40, 0.03);
   expect(flights[0].lost).toBeLessThan(0.5);
-  expect(beadsAt(flights, 0, 25)).toHaveLength(1);
-  expect(beadsAt(flights, 999, 25)).toEqual([]);
+  expect(beadsAt(flights, 0, 25, 1000)).toHaveLength(1);
+  expect(beadsAt(flights, 999, 25, 1000)).toEqual([]);
   expect(fateOf(flights, english)).toEqual([`Bead 1 is lost after ${(1000 * flights[0].lost).toFixed(0)} ms`]);
 });
 
@@ -109,9 +109,16 @@ test("lost beads are named by their time, those beyond three are counted, the ot
 
 test("after the last lap it is flown again; balls have the size of a bead, or of some pixels", () => {
   const places = Float64Array.from({ length: 12 }, (_, k) => Math.floor(k / 3));
-  const at = (frame: number) => beadsAt([{ lost: NaN, farthest: 0, places }], frame, 2)[0][0];
+  const at = (frame: number) => beadsAt([{ lost: NaN, farthest: 0, places }], frame, 2, 1)[0][0];
   expect([0, 1, 2, 3, 4, 5, 6].map(at)).toEqual([0, 1, 2, 3, 2, 3, 2]);
-  expect(balls([[1, 2, 3]], ([x]) => 1e-4 * x)).toEqual([{ center: [1, 2, 3], radius: 1e-3, kind: "rigid" }]);
-  expect(balls([[1, 2, 3]], () => 2e-3)[0]).toMatchObject({ radius: 4.5 * 2e-3 });
+  expect(balls([[1, 2, 3]], ([x]) => 1e-4 * x)).toEqual([{ center: [1, 2, 3], radius: 1e-3, kind: "rigid", tint: expect.any(Array) }]);
+  expect(balls([[1, 2, 3]], () => 2e-3)[0]).toMatchObject({ radius: 7 * 2e-3 });
   expect(balls([[1, 2, 3]], () => 1e-5, 1.2e-3)[0]).toMatchObject({ radius: 1.2e-3 });
+});
+
+test("a lost bead falls from its last place for a quarter of a second, once", () => {
+  const places = Float64Array.from([0, 0, 1, 0, 0, 1, NaN, NaN, NaN, NaN, NaN, NaN]);
+  const at = (frame: number) => beadsAt([{ lost: 0.15, farthest: 0, places }], frame, 2, 10);
+  expect([0, 1, 2, 3].map((frame) => at(frame)[0][2])).toEqual([1, 1, 1 - 4.905 * 0.01, 1 - 4.905 * 0.04]);
+  expect([4, 5, 99].map(at)).toEqual([[], [], []]);
 });

@@ -5,6 +5,8 @@ import { expect, test } from "vitest";
 import type { Contour } from "../src/making/contours.ts";
 import { compile, Door } from "../src/solving/door.ts";
 import { letters } from "../src/making/lettering.ts";
+import { first, initial } from "../src/state/initial.ts";
+import { broughtBy, reached, roomOf } from "../src/state/points.ts";
 import type { Vec3 } from "../src/state/types.ts";
 
 const door = new Door(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
@@ -92,4 +94,33 @@ test("many letters are broken into lines where they are larger then, and say how
   // Half a wavelength is 4.3 mm: ten letters on a line of 160 mm are too dense, on two lines they are not.
   expect(one.apart).toBeLessThan(0.0062);
   expect(size("ABCDEFGHIJKLMNOPQRSTUVWX").apart).toBeLessThan(0.0043);
+});
+
+const presetOf = (preset: string, tiles = [1, 1]) => {
+  door.open(JSON.stringify({ array: { preset, ...(preset === "autd3" && { tiles }) }, points: [{ position: [0, 0, 0.1] }] }));
+  const places = door.array();
+  return roomOf(places.subarray(0, places.length / 2));
+};
+
+test("an array brings its own scene: the first one above boards, one focus above small ones, traps between two", () => {
+  const { points, plane, quantity } = first;
+  for (const room of [presetOf("autd3"), presetOf("autd3", [2, 2]), presetOf("stratos")]) expect(broughtBy(room)).toMatchObject({ points, plane, quantity, signature: "" });
+  for (const name of ["ultraino_flat8x8", "spherical_cap64"]) expect(broughtBy(presetOf(name)).points).toHaveLength(1);
+  for (const [name, count] of [["tinylev", 1], ["openmpd_pair", 2]] as const) {
+    const { points, signature, plane } = broughtBy(presetOf(name));
+    expect([points!.length, signature, plane!.axis]).toEqual([count, "trap", "y"]);
+    expect(points!.every((point) => Math.abs(point[2]) < 1e-3)).toBe(true);
+  }
+});
+
+test("points of one's own come along into the reach of another array, and stay where they can", () => {
+  const state = { ...initial, plane: { ...initial.plane } };
+  const [large, small, pair] = [presetOf("autd3", [2, 2]), presetOf("ultraino_flat8x8"), presetOf("openmpd_pair")];
+  expect(reached(state, large, presetOf("autd3"))).toEqual({ points: state.points, plane: state.plane });
+  const { points, plane } = reached(state, large, small);
+  expect(Math.max(...points.flatMap((point) => point.slice(0, 2).map(Math.abs)))).toBeLessThan(0.45 * small.side);
+  expect(points.every((point) => point[2] < 1.3 * small.side)).toBe(true);
+  expect(plane.z).toBeCloseTo(points[0][2], 9);
+  expect(reached(state, large, pair).points.every((point) => Math.abs(point[2]) < 1e-3)).toBe(true);
+  expect(reached({ ...state, ...reached(state, large, pair) }, pair, large).plane.z).toBeCloseTo(0.18, 9);
 });

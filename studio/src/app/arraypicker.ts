@@ -1,9 +1,16 @@
 /** Array picker: a select of arrays. Browsers that support it show a small picture of the transducers beside each name. */
 
+import type { Engine } from "../solving/engine.ts";
+import type { State } from "../state/types.ts";
 import type { Context } from "./context.ts";
+import type { Word } from "./words.ts";
 import { element } from "./dom.ts";
 import { initial } from "../state/initial.ts";
+import { broughtBy, reached, roomOf } from "../state/points.ts";
 import { sceneOf } from "../state/scene_file.ts";
+
+/** The groups of presets, by their names. */
+const GROUPS = { forTouch: /^(?!paper)(?!.*(pair|lev|cap))/, forLevitation: /pair|lev|cap/, ofPaper: /^paper/ };
 
 /** Side of a picture, in units of its SVG. */
 const SIDE = 24;
@@ -28,8 +35,24 @@ function drawn(positions: Float64Array): SVGElement {
   return picture;
 }
 
+/** Returns the positions (N, 3) in m of an array. */
+async function placesOf({ slow }: Engine, array: State["array"]): Promise<Float64Array> {
+  const places = await slow.arrayOf(JSON.stringify(sceneOf({ ...initial, array, points: [[0, 0, 0.1]] }, 0)));
+  return places.subarray(0, places.length / 2);
+}
+
+/** Changes to another array, with its own scene; points that are not from the old array's scene stay, within its reach. */
+export async function bring({ studio, engine, alarm, say }: Context, array: State["array"]): Promise<void> {
+  const [from, to] = [studio.view.positions, await placesOf(engine, array)].map(roomOf);
+  const { state } = studio.view;
+  const same = (points: unknown) => JSON.stringify(points) === JSON.stringify(state.points);
+  const change: Partial<State> = same(broughtBy(from).points) ? broughtBy(to) : reached(state, from, to);
+  studio.change({ array, obstacles: [], ...change });
+  alarm(change.signature === undefined && !same(change.points) ? say("reached") : "");
+}
+
 /** Makes the select; calls `change` with the name of the chosen array. */
-export function createArrayPicker({ engine, studio }: Context, change: (name: string) => void) {
+export function createArrayPicker({ engine, studio, say }: Context, change: (name: string) => void) {
   const select = element("select", { className: "arrays", onchange: () => change(select.value) });
   // The button of the closed select: it shows the chosen array with its picture.
   const face = element("button");
@@ -45,13 +68,20 @@ export function createArrayPicker({ engine, studio }: Context, change: (name: st
     face.replaceChildren(document.createElement("selectedcontent"));
   }
 
+  /** Returns the options: an array from a file, then the presets in groups, each with its summary. */
+  function grouped(pairs: (readonly [string, string])[]): HTMLElement[] {
+    const summaries = new Map(engine.catalogue.presets.map(({ name, summary }) => [name, summary]));
+    const options = (names: RegExp, known: boolean) =>
+      pairs.filter(([name]) => summaries.has(name) === known && names.test(name)).map(([value, text]) => element("option", { value }, element("span", {}, text, element("small", {}, summaries.get(value)))));
+    return [...options(/./, false), ...Object.entries(GROUPS).map(([word, names]) => element("optgroup", { label: say(word as Word) }, ...options(names, true)))];
+  }
+
   /** Draws the pictures of all arrays. */
   async function draw() {
     if (!CSS.supports("appearance", "base-select")) return;
     for (const { name } of engine.catalogue.presets) {
-      const scene = JSON.stringify(sceneOf({ ...initial, array: { preset: name, tiles: [1, 1] }, points: [[0, 0, 0.1]] }, 0));
-      const array = await engine.slow.arrayOf(scene).catch(() => null);
-      if (array) pictures.set(name, drawn(array.subarray(0, array.length / 2)));
+      const places = await placesOf(engine, { preset: name, tiles: [1, 1] }).catch(() => null);
+      if (places) pictures.set(name, drawn(places));
     }
     illustrate();
   }
@@ -63,7 +93,7 @@ export function createArrayPicker({ engine, studio }: Context, change: (name: st
     /** Shows these [name, text] pairs, one of them chosen. */
     update(pairs: (readonly [string, string])[], chosen: string) {
       const same = offered === (offered = pairs.join());
-      if (!same) select.replaceChildren(face, ...pairs.map(([name, text]) => new Option(text, name)));
+      if (!same) select.replaceChildren(face, ...grouped(pairs));
       if (select.value !== chosen) select.value = chosen;
       if (!same) illustrate();
     },

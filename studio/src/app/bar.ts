@@ -2,11 +2,12 @@
 
 import { createBoardButton } from "./boardbutton.ts";
 import type { Context } from "./context.ts";
-import { element } from "./dom.ts";
+import { element, explained } from "./dom.ts";
 import { exportDrive, exportScene, open } from "./exchange.ts";
 import { showGallery } from "./gallerybox.ts";
 import { writeLink } from "../state/link.ts";
 import { noticeOf } from "../state/notice.ts";
+import type { Word } from "./words.ts";
 
 /** Functions of the page that the bar calls. */
 export interface Deeds {
@@ -24,7 +25,7 @@ const LOGO =
 export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): { root: HTMLElement; update(): void } {
   const { studio, say } = context;
   const button = (text: string, act: () => void, name = text, className = "") =>
-    element("button", { onclick: act, className, "aria-label": name, title: name }, text);
+    name === text ? element("button", { onclick: act, className }, text) : explained(element("button", { onclick: act, className, "aria-label": name }, text), name);
   const step = (way: "undo" | "redo") => {
     if (studio[way]()) context.announce(say(way === "undo" ? "undone" : "redone"));
   };
@@ -41,8 +42,20 @@ export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): 
   });
   const share = async () => {
     history.replaceState(null, "", `#${writeLink(studio.view.state)}`);
-    await navigator.clipboard?.writeText(location.href).catch(() => undefined);
-    context.announce(say("shared"));
+    const { href } = location;
+    if (!matchMedia("(hover: none)").matches || !navigator.share) return context.copy(shared, href);
+    await navigator.share({ title: document.title, url: href }).catch(() => undefined);
+  };
+  const shared = button(say("share"), () => void share(), say("share"), "filled");
+  const python = () =>
+    `import midair\n\nscene = midair.Scene.parse("""${studio.scene(0)}""")\nname, options = scene.solver\nsolution = midair.solve(scene, name, **options)\nprint(solution.metrics)\nsolution.plot().savefig("field.png")\n`;
+  const about = () => {
+    const copy = button(say("asPython"), () => void context.copy(copy, python()), say("asPython"), "filled");
+    // In the book, the page is in a folder beside the manual.
+    const manual = location.pathname.replace(/\/studio\/(index.html)?$/, "/studio.html");
+    const links = [["paper", "https://doi.org/10.1109/TOH.2021.3076489"], ...(manual === location.pathname ? [] : [["manual", manual]])];
+    const row = element("p", {}, ...links.map(([word, href]) => element("a", { href, target: "_blank", rel: "noopener" }, say(word as Word))));
+    context.dialog("about", `midair ${context.engine.catalogue.version}`, element("p", {}, say("aboutText")), element("p", {}, say("aboutInstall")), row, copy);
   };
   const name = element("h1", {}, "midair ", element("small", {}, say("studio")));
   const logo = element("span", { className: "logo", innerHTML: LOGO });
@@ -57,6 +70,7 @@ export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): 
     button(say("exportDrawing"), () => deeds.picture("svg")),
     button(say("language"), deeds.language),
     button(say("theme"), deeds.theme),
+    button(say("about"), about),
     file,
   );
   const menu = element("button", { className: "menu icon", "aria-label": say("menu"), "aria-controls": "tools", "aria-expanded": "false" }, "☰");
@@ -74,7 +88,7 @@ export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): 
     levels,
     button(say("gallery"), () => showGallery(context)),
     createBoardButton(context),
-    button(say("share"), () => void share(), say("share"), "filled"),
+    shared,
     menu,
     tools,
   );

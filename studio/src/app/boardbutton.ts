@@ -1,5 +1,6 @@
 /** The button of the board: connect, play, turn off. */
 
+import { bring } from "./arraypicker.ts";
 import type { Context } from "./context.ts";
 import { element, write } from "./dom.ts";
 import { attended, type Connection, type ConnectionState, guard } from "../boards/connection.ts";
@@ -25,14 +26,31 @@ export function createBoardButton(context: Context): HTMLElement {
   async function reach(): Promise<(() => Promise<Connection>) | void> {
     if (served) return async () => new Served(served.name, report);
     const { serial } = navigator as WithSerial;
-    if (!serial) return context.alarm(say("noSerial"));
     const { array } = studio.view.state;
     const board = "preset" in array ? boardOf(engine.catalogue, array.preset) : null;
-    if (!board) return context.alarm(say("noBoard"));
+    if (!board) return offer();
+    if (!serial) return context.alarm(say("noSerial"));
     const address = location.href;
     const port = await serial.requestPort();
     // Meanwhile another page may have led this page to another address.
     if (location.href === address) return () => open(port, board);
+  }
+
+  /** Offers the boards at serial ports, each of which brings its array, and says how all others are played. */
+  function offer() {
+    const { boards, presets } = engine.catalogue;
+    const cards = boards.flatMap(({ name, summary, baud }) => {
+      const preset = presets.find(({ board }) => board === name)?.name;
+      if (!baud || !preset) return [];
+      const take = () => {
+        dialog.close();
+        void bring(context, { preset, tiles: [1, 1] }).then(() => button.click());
+      };
+      return [element("li", {}, element("button", { onclick: take }, element("b", {}, preset), element("span", {}, `${summary}. ${say("plugIn")}`)))];
+    });
+    const command = element("button", { onclick: () => void context.copy(command, "midair studio --on autd3") }, "midair studio --on autd3");
+    const others = element("li", { className: "others" }, element("b", {}, "AUTD3, OpenMPD…"), element("span", {}, say("noBoard")), command);
+    const dialog = context.dialog("gallery", say("connect"), element("ul", {}, ...cards, others));
   }
 
   async function begin() {

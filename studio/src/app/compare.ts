@@ -3,13 +3,12 @@
 import { changes } from "../state/changes.ts";
 import { type Context } from "./context.ts";
 import { choice, draggable, element, explained, resize, write } from "./dom.ts";
-import { MOST_POINTS } from "../state/initial.ts";
+import { MANY, MOST_POINTS } from "../state/initial.ts";
 import { createInstrument } from "./instrument.ts";
 import { numberRows, percent, pressure, type Row, sentenceOf, weakest } from "./numbers.ts";
 import { drawPixels, entry, type MapName, mapOf, type Tick, ticks } from "../painter/maps.ts";
 import { onPlane, placeOn } from "../state/plane.ts";
 import { added, moved } from "../state/points.ts";
-import { MANY } from "./stage.ts";
 import { shownOf } from "../solving/studio.ts";
 import { touchOf } from "../solving/touch.ts";
 import type { Look, Slot, Vec3 } from "../state/types.ts";
@@ -36,7 +35,11 @@ export function createCompare(context: Context) {
     const summary = explained(element("p", { className: "summary" }), say("summaryTip"));
     const refusal = element("p", { className: "refusal" });
     const root = element("section", { className: "method", "aria-label": say("method", { slot: letter }) }, badge, method, summary, refusal);
-    return { root, method, summary, refusal };
+    // Over the slice: its letter with the weakest |p|; beside it: |p| of each point, as dots.
+    const caption = element("b", { className: `caption ${letter.toLowerCase()}`, "aria-hidden": "true" });
+    const strip = element("div", { className: "strip", "aria-hidden": "true" });
+    root.append(strip);
+    return { root, method, summary, refusal, caption, strip, dots: [] as HTMLElement[] };
   });
   const picture = element("div", { className: "slice", role: "img", "aria-label": say("slices") });
   const wiper = element("input", { className: "wiper", type: "range", min: 0, max: 1, step: 0.01, value: 0.5, "aria-label": say("wiper"), oninput: context.repaint });
@@ -47,7 +50,7 @@ export function createCompare(context: Context) {
     "section",
     { className: "pane", "aria-label": say("methods") },
     element("div", { className: "methods" }, ...parts.map((part) => part.root)),
-    element("div", { className: "row" }, element("div", { className: "wipe" }, picture, wiper), scale),
+    element("div", { className: "row" }, element("div", { className: "wipe" }, picture, ...parts.map(({ caption }) => caption), wiper), scale),
   );
   const rings: HTMLElement[] = [];
   const order = createInstrument(context, picture, (right) => (wiper.hidden ? (shownOf(studio.view)[0].lattice ? 0 : 1) : right < +wiper.value ? 0 : 1));
@@ -141,6 +144,13 @@ export function createCompare(context: Context) {
         parts[slot].root.classList.toggle("still", still);
         write(refusal, refused ? say("unsolved", { line: plain(refused) }) : "");
         refusal.hidden = !refused;
+        const loud = answer && !still ? answer.pressures.map(([re, im]) => Math.hypot(re, im)) : [];
+        write(parts[slot].caption, `${"AB"[slot]} ${loud.length ? pressure(weakest(results[slot])) : ""}`);
+        resize(parts[slot].strip, parts[slot].dots, loud.length, () => element("i"));
+        parts[slot].dots.forEach((dot, k) => {
+          dot.style.left = `${(100 * (k + 0.5)) / loud.length}%`;
+          dot.style.bottom = `${Math.min(100, (100 * loud[k]) / look.top)}%`;
+        });
       }
       wiper.hidden = results.some(({ lattice }) => !lattice);
       ring();

@@ -12,6 +12,9 @@ import { type Notice, type Put } from "../state/notice.ts";
 /** Announcements within this time, in ms, are made together. */
 const GATHER = 250;
 
+/** The time in ms for which a button says that it has copied. */
+const COPIED = 2000;
+
 /** The context that all parts of the page share. */
 export class Context {
   /** The places of faults, and of announcements (an ARIA live region). */
@@ -48,9 +51,36 @@ export class Context {
 
   /** Shows one line about a fault; "" removes it. */
   readonly alarm = (text: string): void => {
-    const close = element("button", { className: "plain", "aria-label": this.say("close"), onclick: () => this.alert.replaceChildren() }, "×");
+    const close = element("button", { className: "plain", "aria-label": this.say("close"), onclick: () => this.alarm("") }, "×");
     this.alert.replaceChildren(...(text ? [element("span", {}, text), close] : []));
   };
+
+  /** Shows a dialog with a title; returns it. */
+  dialog(className: string, title: string, ...children: HTMLElement[]): HTMLDialogElement {
+    const close = element("button", { className: "icon", "aria-label": this.say("close"), onclick: () => dialog.close() }, "×");
+    const dialog = element("dialog", { className, "aria-label": title }, element("header", {}, element("h2", {}, title), close), ...children);
+    dialog.onclose = () => dialog.remove();
+    (this.alert.closest(".studio") ?? document.body).append(dialog);
+    dialog.showModal();
+    return dialog;
+  }
+
+  /** Copies a text, and says so on the button for two seconds; shows the text in a field if the browser does not copy it. */
+  async copy(button: HTMLElement, text: string): Promise<void> {
+    const name = button.textContent!;
+    try {
+      await navigator.clipboard.writeText(text);
+    } catch {
+      const field = element("textarea", { value: text, readOnly: true, rows: 6, "aria-label": name });
+      this.dialog("about", name, field);
+      return field.select();
+    }
+    const done = `✓ ${this.say("shared")}`;
+    if (name === done) return;
+    write(button, done);
+    this.announce(this.say("shared"));
+    setTimeout(() => write(button, name), COPIED);
+  }
 
   /** Calls `listener` at each change, until the page ends. */
   readonly listen = (listener: () => void) => this.ending(this.studio.listen(listener));

@@ -20,6 +20,10 @@ export function element<Name extends keyof HTMLElementTagNameMap>(
   return node;
 }
 
+/** Returns a small drawing as SVG, from the path on a square of 24. */
+export const icon = (path: string) =>
+  `<svg viewBox="0 0 24 24" width="20" height="20" aria-hidden="true" fill="none" stroke="currentColor" stroke-width="2" stroke-linejoin="round" stroke-linecap="round"><path d="${path}"/></svg>`;
+
 /** Writes a text only if it has changed, so that screen readers do not repeat it and the caret does not move. */
 export function write(label: HTMLElement, text: string): void {
   if (label.textContent !== text) label.textContent = text;

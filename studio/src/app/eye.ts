@@ -1,8 +1,9 @@
 /** Eye: the camera of the 3-D view. It is fitted to the scene until a user turns it. */
 
-import { along, type Camera, fit, FOCAL, frame, Sight, type Spot } from "../painter/camera.ts";
+import { along, between, type Camera, fit, FOCAL, frame, Sight, type Spot } from "../painter/camera.ts";
 import { placeOn, planesOf } from "../state/plane.ts";
 import type { Studio } from "../solving/studio.ts";
+import { isTouch } from "../solving/touch.ts";
 import type { State, Vec3 } from "../state/types.ts";
 
 /** Rotation per pixel, in rad. */
@@ -20,11 +21,23 @@ const GLOW = 0.04;
 /** The view is fitted again if the camera's distance is above this multiple of the distance that shows everything. */
 const LOOSE = 1.5;
 
+/** The least part of the view that points and slices fill at the level "play" and for a skin, and the part that a fit gives them. */
+const SHARE = 0.36;
+const FILLED = 0.38;
+
+/** Time in ms of the camera's way to another view. */
+const WAY = 400;
+
 const within = (value: number, [least, most]: number[]) => Math.min(Math.max(value, least), most);
 
 /** A camera that stays when the page is rebuilt in another theme or language. */
 export class Eye {
+  /** Requests a picture while the camera moves by itself. */
+  repaint: () => void = () => undefined;
   private now: Camera = { target: [0, 0, 0], yaw: 0, pitch: 0, distance: 1 };
+  /** The camera from which it moves to `now`, and when it began. */
+  private from: Camera | null = null;
+  private begun = 0;
   private last: Spot = [1, 1];
   /** The array and the view's size at the last fit; the size counts only until a user turns the view. */
   private fitted = "";
@@ -46,13 +59,36 @@ export class Eye {
         const at = sight.project(place);
         return size.some((side, k) => Math.abs(2 * at[k] - side) > side);
       });
-      if (fresh || cut || this.now.distance > LOOSE * best.distance) this.now = best;
+      const small = this.near() && this.share(this.now, size) < Math.min(SHARE, this.share(best, size) - 0.02);
+      if (fresh || cut || small || this.now.distance > LOOSE * best.distance) this.go(best, size);
       if (fresh) this.turned = false;
       this.fitted = this.key(size);
       this.seen = state;
     }
     this.last = size;
-    return this.now;
+    const part = within((performance.now() - this.begun) / WAY, [0, 1]);
+    if (!this.from || part === 1) return this.now;
+    requestAnimationFrame(this.repaint);
+    return between(this.from, this.now, part ** 2 * (3 - 2 * part));
+  }
+
+  /** Moves to a camera: slowly at the level "play", unless the view is new or has another size, or the user prefers less motion. */
+  private go(best: Camera, size: Spot): void {
+    const slow = this.fitted && this.studio.view.state.level === "play" && `${size}` === `${this.last}` && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.from = slow ? this.now : null;
+    this.begun = performance.now();
+    this.now = best;
+  }
+
+  /** Whether the camera is so near that the slice fills the view, even if parts of the array are out of sight. */
+  private near = () => this.studio.view.state.level === "play" || isTouch(this.studio.view.state.quantity);
+
+  /** Returns the part of a view of this size that the box around points and slices fills. */
+  private share(camera: Camera, size: Spot): number {
+    const sight = new Sight(camera, size);
+    const spots = this.all(0).map((place) => sight.project(place));
+    const sides = size.map((side, k) => spots.map((spot) => within(spot[k], [0, side]) / side));
+    return sides.reduce((part, all) => part * (Math.max(...all) - Math.min(...all)), 1);
   }
 
   /** Turns the view by a pointer's movement in px. */
@@ -83,22 +119,33 @@ export class Eye {
 
   private key(size: number[]): string {
     const { state, array } = this.studio.view;
-    return JSON.stringify([state.array, array.length, this.turned ? [] : [size, state.plane.axis]]);
+    return JSON.stringify([state.array, array.length, this.turned ? [] : [size, state.plane.axis, state.level, state.view === "slice"]]);
   }
 
   private fit(size: Spot, way?: [number, number]): Camera {
     const { positions, state } = this.studio.view;
-    return fit(positions, this.all(), size, state.plane.axis, way);
+    const above = state.level === "play" && state.view === "slice";
+    const whole = fit(positions, this.all(), size, state.plane.axis, way, above);
+    if (!this.near() || this.share(whole, size) >= FILLED) return whole;
+    const close = fit(new Float32Array(), this.all(), size, state.plane.axis, [whole.yaw, whole.pitch]);
+    // The nearest camera to that of the whole array which fills the view enough.
+    let [least, most] = [0, 1];
+    for (let k = 0; k < 8; k += 1) {
+      const part = (least + most) / 2;
+      [least, most] = this.share(between(whole, close, part), size) < FILLED ? [part, most] : [least, part];
+    }
+    return between(whole, close, most);
   }
 
   /** Returns the corners of everything to be shown: points with the glow above them, and slices. */
-  private all(): Vec3[] {
+  private all(glow = GLOW): Vec3[] {
     const { state } = this.studio.view;
     const corners = planesOf(state).flatMap((plane) => [0, 1].flatMap((a) => [0, 1].map((b) => placeOn(plane, a, b))));
-    return [...state.points.map(([x, y, z]): Vec3 => [x, y, z + GLOW]), ...corners];
+    return [...state.points.map(([x, y, z]): Vec3 => [x, y, z + glow]), ...corners];
   }
 
   private hold(changes: Partial<Camera>): void {
+    this.from = null;
     this.now = { ...this.now, ...changes };
     this.turned = true;
     this.fitted = this.key([]);

@@ -3,7 +3,7 @@
 import { middleOf, placeOn, planesOf, SIDES, through } from "../state/plane.ts";
 import { AXES, type Axis, type Vec3 } from "../state/types.ts";
 import { type Context, millimetres } from "./context.ts";
-import { draggable, element, stepOf } from "./dom.ts";
+import { draggable, element, explained, icon, stepOf } from "./dom.ts";
 import type { View } from "./viewing.ts";
 
 /** Largest distance of a slice from 0 along its normal, in m. */
@@ -16,7 +16,8 @@ export function createHandles({ studio, say }: Context, stage: View): () => void
   const edge = (axis: Axis): Vec3 => placeOn({ ...plane(), axis }, 1, axis === "z" ? 0.5 : 0);
 
   const handles = AXES.map((axis, normal) => {
-    const handle = element("div", { className: `handle ${axis}`, role: "slider", tabIndex: 0, "aria-orientation": normal === 2 ? "vertical" : "horizontal", "aria-valuemin": -1000 * REACH, "aria-valuemax": 1000 * REACH }, axis);
+    const handle = element("div", { className: `handle ${axis}`, role: "slider", tabIndex: 0, "aria-orientation": normal === 2 ? "vertical" : "horizontal", "aria-valuemin": -1000 * REACH, "aria-valuemax": 1000 * REACH, innerHTML: icon(normal === 2 ? "M12 3V21M8 7L12 3L16 7M8 17L12 21L16 17" : "M3 12H21M7 8L3 12L7 16M17 8L21 12L17 16") });
+    explained(handle, say("moveSlice"));
     const push = (value: number, gesture: string) => {
       const height = Math.round(1e5 * Math.min(Math.max(value, -REACH), REACH)) / 1e5;
       studio.change({ plane: through(plane(), middleOf(plane()).with(normal, height) as Vec3) }, gesture);

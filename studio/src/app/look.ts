@@ -1,6 +1,6 @@
 /** Look: the common colour scale of both methods. */
 
-import type { View } from "../solving/studio.ts";
+import type { Result, View } from "../solving/studio.ts";
 import { FREQUENCY } from "../solving/lattices.ts";
 import { isTouch } from "../solving/touch.ts";
 import type { Look, Shade, State, Theme } from "../state/types.ts";
@@ -30,7 +30,7 @@ export function discsOf({ quantity, level }: State): Shade {
  * Returns the colour scale of all pictures: its top is the largest |p| of both slices, within limits, or the largest value of the
  * shown touch.
  */
-export function lookOf(view: View, theme: Theme, turn = 0): Look {
+export function lookOf(view: Pick<View, "state" | "frame"> & { results: Result[] }, theme: Theme, turn = 0): Look {
   const { state, results, frame } = view;
   if (frame?.touch) {
     const { quantity: touch, most, peak } = frame.touch;
@@ -41,9 +41,7 @@ export function lookOf(view: View, theme: Theme, turn = 0): Look {
   const points = answers.flatMap(({ pressures }) => pressures).map(([re, im]) => Math.hypot(re, im));
   const loudest = points.reduce((a, b) => Math.max(a, b), 0);
   let most = 0;
-  for (const lattice of [...results, ...(frame?.results ?? [])].map((result) => result?.lattice)) {
-    if (!lattice) continue;
-    const { values } = lattice;
+  for (const { values } of [...results, ...(frame?.results ?? [])].flatMap((result) => (result?.lattice ? [result.lattice, ...result.crossing] : []))) {
     for (let k = 0; k < values.length; k += 2) most = Math.max(most, values[k] ** 2 + values[k + 1] ** 2);
   }
   // The points of traps are quiet, so the loudest point does not limit the top of the scale.

@@ -89,8 +89,9 @@ export function sentenceOf(view: View): { word: Word; put: Record<string, string
     evenness: percent(a.answer.metrics.uniformity),
     time: Number.isNaN(a.milliseconds) ? "…" : duration(a.milliseconds),
   };
-  const kind = state.signature.includes(".") ? "mixed" : state.signature ? "traps" : count === 1 ? "focus" : "foci";
-  return { word: frame ? "inMotion" : kind, put };
+  const kind = state.signature.includes(".") ? "mixed" : state.signature ? (count === 1 ? "oneTrap" : "traps") : count === 1 ? "focus" : "foci";
+  const motion = state.signature && kind !== "mixed" ? "trapsInMotion" : "inMotion";
+  return { word: frame ? motion : kind, put };
 }
 
 /** Returns the sentence about the touch of a skin of this size in m. */

@@ -9,7 +9,7 @@ import { announceChanges } from "./announce.ts";
 import { createBar } from "./bar.ts";
 import { createCompare } from "./compare.ts";
 import { Context } from "./context.ts";
-import { element, segments, write } from "./dom.ts";
+import { element, explained, segments, write } from "./dom.ts";
 import { exportFigure, open } from "./exchange.ts";
 import type { Eye } from "./eye.ts";
 import { figure } from "./figure.ts";
@@ -57,6 +57,8 @@ export class Page {
   /** The last announced metrics, and the last reported fault: a scene that neither method can solve is reported once. */
   private announced = "";
   private warned = "";
+  /** The quantity before the comparison. */
+  private before: Quantity | null = null;
 
   /** Builds the page in an element. */
   constructor(
@@ -69,15 +71,17 @@ export class Page {
     const context = (this.context = new Context(engine, studio, language, theme, board, () => this.painting.repaint()));
     const { say } = context;
     this.stage = new Stage(context, manner.eye);
+    manner.eye.repaint = context.repaint;
     this.compare = createCompare(context);
     const player = new Player(context, () => this.painting.paint());
     this.stage.root.append(player.root);
     this.panels = new Panels(context, this.compare, player, Boolean(manner.compact));
     this.painting = new Painting(context, { stage: this.stage, compare: this.compare, panels: this.panels.root });
     this.sentence = createSentence(context);
-    this.levels = segments(say("levelOfPage"), LEVELS.map((name) => [name, say(name)]), (level) => studio.change({ level: level as Level }));
+    this.levels = segments(say("levelOfPage"), LEVELS.map((name) => [name, say(name)]), (level) => this.go(level as Level));
     this.quantities = segments(say("quantity"), QUANTITIES.map((name) => [name, say(name)]), (name) => this.choose(name as Quantity));
     this.quantities.root.classList.add("quantities");
+    for (const button of this.quantities.root.children as Iterable<HTMLButtonElement>) explained(button, say(`${button.value as Quantity}Tip`));
     this.bar = this.makeBar();
     this.bench = element("section", { className: "bench", "aria-label": say("slice") });
     this.assemble();
@@ -196,6 +200,15 @@ export class Page {
     this.context.alarm(warning);
   }
 
+  /** Changes the level; methods are compared by |p|, and after the comparison the quantity is as before. */
+  private go(level: Level): void {
+    const { state } = this.studio.view;
+    const [enters, leaves] = [level === "compare" && state.level !== level, state.level === "compare" && state.level !== level];
+    const shown = enters && !isTouch(state.quantity) ? "modulus" : leaves && state.quantity === "modulus" ? this.before : null;
+    if (enters || leaves) this.before = enters ? state.quantity : null;
+    this.studio.change({ level, ...(shown && { quantity: shown }) });
+  }
+
   private choose(quantity: Quantity): void {
     const { state } = this.studio.view;
     // A skin lies flat through the points.
@@ -204,6 +217,7 @@ export class Page {
   }
 
   private press(event: KeyboardEvent): void {
+    if (event.key === "Escape") this.context.alarm("");
     if (!(event.ctrlKey || event.metaKey) || !["z", "y", "Z"].includes(event.key)) return;
     if ((event.target as HTMLElement).matches?.("input[type=text], input[type=number]")) return;
     event.preventDefault();

@@ -4,6 +4,7 @@ import { FOCAL } from "../painter/camera.ts";
 import { Painter } from "../painter/painter.ts";
 import type { Box } from "../painter/picture.ts";
 import type { Lattice, Look, Slot, Theme } from "../state/types.ts";
+import { isTrap } from "../state/signature.ts";
 import { balls } from "../solving/beads.ts";
 import { wavelength } from "../solving/lattices.ts";
 import { type Result, shownOf } from "../solving/studio.ts";
@@ -144,6 +145,9 @@ export class Painting {
     const { sight } = stage;
     const results = shownOf(view);
     const slot = frame && (frame.touch || !frame.results[state.slot]) ? 0 : state.slot;
+    const points = frame?.points ?? state.points;
+    // A bead is at rest in the middle of its trap, until its motion is simulated.
+    const beads = frame?.beads?.length ? frame.beads : points.filter((_, k) => isTrap(state.signature, k));
     painter.scene(box, {
       camera: sight.camera,
       positions: view.positions,
@@ -154,8 +158,8 @@ export class Painting {
       wavelength: wavelength(state),
       // The glow of |p| would cover the wave or the phase.
       volume: ["slice", "planes"].includes(state.view) || frame || (state.view === "both" && state.quantity !== "modulus") ? null : view.volume,
-      points: frame?.points ?? state.points,
-      obstacles: [...state.obstacles, ...balls(frame?.beads ?? [], (place) => sight.project(place)[2] / (FOCAL * box.height), state.bead?.radius)],
+      points,
+      obstacles: [...state.obstacles, ...balls(beads, (place) => sight.project(place)[2] / (FOCAL * box.height), state.bead?.radius)],
       look: this.look,
       theme: this.context.theme,
       moving: view.moving,

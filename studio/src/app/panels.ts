@@ -1,10 +1,10 @@
 /** Panels: groups of controls, of which each level of the page shows some; on a phone the groups are in tabs. */
 
 import { soundSpeed } from "../state/air.ts";
-import { HEIGHT } from "../state/initial.ts";
+import { middleOf, SIDES } from "../state/plane.ts";
 import { TRAPS } from "../state/signature.ts";
 import { AXES, type Level, type Obstacle, SCALES, type State, type Vec3, VIEWS } from "../state/types.ts";
-import { createArrayPicker } from "./arraypicker.ts";
+import { bring, createArrayPicker } from "./arraypicker.ts";
 import type { Compare } from "./compare.ts";
 import { type Context, millimetres } from "./context.ts";
 import { choice, element, explained, group, labelled, offer, segments, write } from "./dom.ts";
@@ -51,6 +51,12 @@ const isFacing = (array: State["array"]) => "preset" in array && /pair|lev/.test
 
 const nameOf = ({ array }: State) => ("preset" in array ? array.preset : array.name);
 
+/** Returns the name of a slice, such as "x–z, y 0 mm". */
+function sliceName(plane: State["plane"]): string {
+  const [right, up, normal] = SIDES[plane.axis];
+  return `${AXES[right]}–${AXES[up]}, ${AXES[normal]} ${millimetres(middleOf(plane)[normal])} mm`;
+}
+
 /** The panels of the page. */
 export class Panels {
   readonly root: HTMLElement;
@@ -69,14 +75,14 @@ export class Panels {
     const { say } = context;
     const groups: Group[] = [
       { word: "methods", tab: "methods", levels: ["engineer"], open: true, controls: [], summary: ({ methods }) => methods.join(" · ") },
+      { word: "points", tab: "points", levels: ["engineer"], open: false, controls: [createPointTable(context), this.traps()], summary: ({ points }) => String(points.length) },
       { word: "array", tab: "array", levels: ["play", "engineer"], open: false, controls: this.array(), summary: (state) => `${nameOf(state)} · ${context.studio.view.positions.length / 3}` },
       { word: "shapes", tab: "points", levels: ["play", "engineer"], open: false, controls: [createShapes(context)] },
-      { word: "slice", tab: "slice", levels: ["engineer"], open: false, controls: this.slice(), summary: ({ plane }) => `z ${millimetres(plane.z)} mm` },
+      { word: "slice", tab: "slice", levels: ["engineer"], open: false, controls: this.slice(), summary: ({ plane }) => sliceName(plane) },
       { word: "air", tab: "array", levels: ["engineer"], open: false, controls: this.air(), summary: ({ temperature }) => `${temperature} °C` },
       { word: "motion", tab: "motion", levels: ["engineer"], open: false, controls: [createMotion(context, player)], summary: ({ path }) => say(path?.kind ?? "none") },
       { word: "listen", tab: "motion", levels: ["engineer"], open: false, controls: this.ear(), summary: ({ ear }) => ear?.map(millimetres).join(", ") ?? say("none") },
       { word: "numbers", tab: "methods", levels: ["compare", "engineer"], open: true, controls: compare.numbers.map((root) => ({ root })) },
-      { word: "points", tab: "points", levels: ["engineer"], open: false, controls: [createPointTable(context)], summary: ({ points }) => String(points.length) },
     ];
     this.groups = groups.map((each) => ({ ...each, ...group(say(each.word), ...each.controls.map(({ root }) => root)) }));
     this.tabs = segments(say("settings"), TABS.map((tab) => [tab, say(tab === "points" ? "pointsTab" : tab)]), (tab) => this.choose(tab as Tab));
@@ -120,9 +126,9 @@ export class Panels {
   }
 
   /** Makes a select: its [value, text] pairs and its value for a state, and the change for a chosen value. */
-  private select(word: Word, offered: (state: State) => [pairs: (readonly [string, string])[], value: string], change: (value: string) => Partial<State>): Control {
+  private select(word: Word, offered: (state: State) => [pairs: (readonly [string, string])[], value: string], change: (value: string) => Partial<State> | void): Control {
     const { say, studio } = this.context;
-    const select = choice([], "", (value) => studio.change(change(value)));
+    const select = choice([], "", (value) => studio.change(change(value) ?? {}));
     return { root: labelled(say(word), select), update: (state) => offer(select, ...offered(state)) };
   }
 
@@ -146,9 +152,9 @@ export class Panels {
 
   private array(): Control[] {
     const { context } = this;
-    const { say, studio, engine } = context;
+    const { say, engine } = context;
     const { presets } = engine.catalogue;
-    const picker = createArrayPicker(context, (preset) => studio.change(this.standing({ preset, tiles: [1, 1] })));
+    const picker = createArrayPicker(context, (preset) => void bring(this.context, { preset, tiles: [1, 1] }));
     const array = {
       root: labelled(say("preset"), picker.root, null, say("arrayTip")),
       update: (state: State) => {
@@ -158,7 +164,7 @@ export class Panels {
     };
     const tilesOf = ({ array }: State) => ("preset" in array ? array.tiles.join("x") : "1x1");
     const offered = (state: State) => [...new Set([...TILES, tilesOf(state)])].map((text) => [text, text.replace("x", " × ")] as const);
-    const tiles = this.select("boards", (state) => [offered(state), tilesOf(state)], (text) => this.standing({ preset: nameOf(this.state), tiles: text.split("x").map(Number) as [number, number] }));
+    const tiles = this.select("boards", (state) => [offered(state), tilesOf(state)], (text) => void bring(this.context, { preset: nameOf(this.state), tiles: text.split("x").map(Number) as [number, number] }));
     const boards = {
       root: tiles.root,
       update: (state: State) => {
@@ -177,13 +183,6 @@ export class Panels {
     return [array, boards, grid];
   }
 
-  /** Returns the change to another array. It moves slice and points between boards that face each other, or above others. */
-  private standing(array: State["array"]): Partial<State> {
-    const { plane, points, array: before } = this.state;
-    const rise = isFacing(array) === isFacing(before) ? 0 : isFacing(array) ? -plane.z : HEIGHT - plane.z;
-    return { array, obstacles: [], plane: { ...plane, z: plane.z + rise }, points: points.map(([x, y, z]) => [x, y, z + rise]) };
-  }
-
   private slice(): Control[] {
     const { say } = this.context;
     const plane = (part: Partial<State["plane"]>) => ({ plane: { ...this.state.plane, ...part } });
@@ -196,16 +195,20 @@ export class Panels {
     ];
   }
 
-  private air(): Control[] {
+  private traps(): Control {
     const { say } = this.context;
     const traps = ({ signature }: State): [string, string][] => {
       const pairs = ["" as const, ...TRAPS].map((name): [string, string] => [name, say(name || "none")]);
       return signature.includes(".") ? [...pairs, [signature, say("eachPoint")]] : pairs;
     };
+    return this.select("signature", (state) => [traps(state), state.signature], (signature) => ({ signature }));
+  }
+
+  private air(): Control[] {
+    const { say } = this.context;
     const kind = ([first]: Obstacle[]) => (!first ? "none" : "center" in first ? "ball" : "wall");
     return [
       this.slider("temperature", 0.5, () => [-10, 45], ({ temperature }) => [temperature, `${temperature.toFixed(1)} °C · ${soundSpeed(temperature).toFixed(1)} m/s`], (temperature) => ({ temperature })),
-      this.select("signature", (state) => [traps(state), state.signature], (signature) => ({ signature })),
       this.select("obstacle", ({ obstacles }) => [(["none", "wall", "ball"] as const).map((name) => [name, say(name)]), kind(obstacles)], (name) => ({ obstacles: this.around(OBSTACLES[name]) })),
     ];
   }

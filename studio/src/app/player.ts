@@ -6,7 +6,7 @@ import { isTouch, limitsOf, touchOf } from "../solving/touch.ts";
 import { countOf, requestOf, SLOWEST, Turn } from "../solving/turn.ts";
 import { createChart } from "./chart.ts";
 import { type Context, millimetres } from "./context.ts";
-import { element, explained, write } from "./dom.ts";
+import { element, explained, icon, write } from "./dom.ts";
 import { type Film, FILMS, type Part, record } from "./recording.ts";
 import { type Notice, noticeOf } from "../state/notice.ts";
 
@@ -42,6 +42,8 @@ export class Player {
   /** The touch that was last predicted without a request to play. */
   private touched = "";
   private timer = 0;
+  /** The request whose points began to move by themselves. */
+  private begun = "";
 
   /** `canvas` returns the part of the canvas that is recorded. */
   constructor(
@@ -49,7 +51,7 @@ export class Player {
     private readonly canvas: () => Part,
   ) {
     const { say } = context;
-    this.go = element("button", { className: "icon", onclick: () => (this.phase.name === "playing" ? this.pause() : void this.play(this.at)) }, "▶");
+    this.go = element("button", { className: "icon", onclick: () => (this.phase.name === "playing" ? this.pause() : void this.play(this.at)) });
     this.line = element("input", { type: "range", min: 0, max: 1, value: 0, "aria-label": say("frameShown"), "data-tip": say("frameTip"), oninput: () => void this.seek(+this.line.value) });
     this.films = FILMS.map((film) => {
       const name = say("recordHint", { film });
@@ -76,19 +78,32 @@ export class Player {
     // If the state has changed, the old path stops.
     if (this.phase.name !== "rest" && this.phase.request !== requestOf(state)) this.phase = { name: "rest" };
     this.touch();
+    this.begins();
     this.root.hidden = state.path === null;
     this.summary.hidden = this.turn?.request !== requestOf(state);
     if (!state.path) return;
     if (frame === null && !this.moves) this.at = 0;
     const plays = this.phase.name === "playing";
-    write(this.go, plays ? "⏸" : "▶");
     const name = say(plays ? "pause" : "playPath");
-    if (this.go.ariaLabel !== name) this.go.ariaLabel = this.go.title = name;
+    if (this.go.ariaLabel !== name) {
+      this.go.ariaLabel = name;
+      this.go.innerHTML = icon(plays ? "M8 5V19M16 5V19" : "M7 4L19 12L7 20Z");
+    }
     const count = countOf(state.path);
     this.line.max = String(count - 1);
     this.line.value = String(this.at);
     const duration = 1000 / state.path.frequency;
     write(this.time, `${((duration * this.at) / count).toFixed(0)} / ${duration.toFixed(0)} ms`);
+  }
+
+  /** At the level "play", points on a path move by themselves, once, unless the user prefers less motion. */
+  private begins(): void {
+    const { state, moving } = this.context.studio.view;
+    if (state.level !== "play" || !state.path || moving || this.moves || matchMedia("(prefers-reduced-motion: reduce)").matches) return;
+    const key = `${isTouch(state.quantity)} ${requestOf(state)}`;
+    if (isTouch(state.quantity) || this.begun === key) return void (this.begun = key);
+    this.begun = key;
+    queueMicrotask(() => void this.play(this.at));
   }
 
   /** Begins a phase; returns a function that tells whether another one has begun. */

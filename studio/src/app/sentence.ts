@@ -19,7 +19,11 @@ const TIPS: Record<string, Word> = {
 
 /** Makes the sentence. */
 export function createSentence({ studio, say, language }: Context): { root: HTMLElement; update(): void } {
-  const root = element("p", { className: "sentence" });
+  const line = element("p");
+  // It says what one sees until something is changed.
+  const lead = element("small");
+  const root = element("div", { className: "sentence" }, lead, line);
+  let time = "…";
   let numbers: [string, HTMLElement][] = [];
   const build = changes((word: Word) => {
     numbers = [];
@@ -30,7 +34,7 @@ export function createSentence({ studio, say, language }: Context): { root: HTML
       numbers.push([part, number]);
       return number;
     });
-    root.replaceChildren(...texts);
+    line.replaceChildren(...texts);
   });
   return {
     root,
@@ -39,6 +43,11 @@ export function createSentence({ studio, say, language }: Context): { root: HTML
       root.hidden = !sentence;
       if (!sentence) return;
       build(sentence.word);
+      lead.hidden = studio.history.canUndo();
+      write(lead, say("lead", { speakers: studio.view.positions.length / 3 }));
+      // While something moves there is no new time, and the line must not jump.
+      if (sentence.put.time !== "…") time = String(sentence.put.time);
+      sentence.put.time = time;
       for (const [part, number] of numbers) write(number, String(sentence.put[part]));
     },
   };

@@ -1,6 +1,6 @@
 /** Stage: the 3-D view, its camera, and the points as buttons on it, which can be moved one by one or several together. */
 
-import { MOST_POINTS } from "../state/initial.ts";
+import { MANY, MOST_POINTS } from "../state/initial.ts";
 import { following, middleOf, onPlane, SIDES } from "../state/plane.ts";
 import { added, removed, shifted } from "../state/points.ts";
 import type { State, Vec3 } from "../state/types.ts";
@@ -10,13 +10,10 @@ import { draggable, element, resize, stepOf } from "./dom.ts";
 import type { Eye } from "./eye.ts";
 import { createHandles } from "./handles.ts";
 import { number } from "./numbering.ts";
-import { createPhaseKey } from "./phasekey.ts";
+import { createColourKey, createPhaseKey } from "./phasekey.ts";
 import { createReadout } from "./readout.ts";
 import { createSliceChoice } from "./slicechoice.ts";
 import { createViewing } from "./viewing.ts";
-
-/** Above this number of points, rings are smaller, so that they do not hide the field. */
-export const MANY = 16;
 
 /** A pointer that moves less than this, in px, is a click. */
 const CLICK = 3;
@@ -62,10 +59,10 @@ export class Stage {
     this.view.append(this.ear, this.lifter, this.lasso);
     this.drag(this.lifter, () => this.latest, () => true);
     const looks = createViewing(context, eye, this.view, this.local, this.box);
-    const [slices, key] = [createSliceChoice(context), createPhaseKey(context)];
+    const [slices, key, colours] = [createSliceChoice(context), createPhaseKey(context), createColourKey(context)];
     const hint = element("p", { className: "hint" }, say(matchMedia("(hover: none)").matches ? "hintTouch" : "hint"));
-    this.root = element("section", { className: "stage" }, this.view, hint, element("div", { className: "viewing" }, slices.root, looks), key.root, this.readout.root);
-    this.updates = [createHandles(context, this), slices.update, key.update];
+    this.root = element("section", { className: "stage" }, this.view, hint, element("div", { className: "viewing" }, slices.root, looks), key.root, colours.root, this.readout.root);
+    this.updates = [createHandles(context, this), slices.update, key.update, colours.update];
     this.view.addEventListener("pointermove", (event) => this.probe(event));
     this.view.addEventListener("pointerleave", this.readout.hide);
     this.view.ondblclick = (event) => event.target === this.view && this.add(this.local(event));

@@ -2,7 +2,7 @@
 
 import type { Sight, Spot } from "../painter/camera.ts";
 import type { Context } from "./context.ts";
-import { element } from "./dom.ts";
+import { element, explained, icon } from "./dom.ts";
 import type { Eye } from "./eye.ts";
 
 /** The 3-D view, as it is seen now, and where a pointer is in it. */
@@ -63,13 +63,13 @@ export function createViewing(context: Context, eye: Eye, view: HTMLElement, loc
       eye.look(word);
       context.repaint();
     };
-    return element("button", { onclick: act, title: say(word), "aria-label": say(word) }, sign);
+    return explained(element("button", { onclick: act, "aria-label": say(word), innerHTML: icon(sign) }), say(word));
   };
   return element(
     "div",
     { className: "joined", role: "group", "aria-label": say("lookFrom") },
-    button("fromAbove", "⊤"),
-    button("fromAhead", "⊢"),
-    button("asFirst", "⟲"),
+    button("fromAbove", "M3 20L8 14H21L16 20ZM12 2V9M9 6.5L12 9.5L15 6.5"),
+    button("fromAhead", "M14 8L20 4V16L14 20ZM2 12H9M6.5 9L9.5 12L6.5 15"),
+    button("asFirst", "M5 12A7 7 0 1 0 8 6.3M7.5 2.5V6.7H11.7"),
   );
 }

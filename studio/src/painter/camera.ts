@@ -102,12 +102,12 @@ function extent(positions: Float32Array, axis: number): number {
 
 /**
  * Returns a camera that shows all transducers (N x 3, m) and points (m) in a view of this size (CSS px). `way` is its yaw and
- * pitch; without it they suit the slice normal to `axis`.
+ * pitch; without it they suit the slice normal to `axis`, which with `above` is seen from above, unless a board covers it.
  */
-export function fit(positions: Float32Array, points: Vec3[], [width, height]: Spot, axis: Axis = "z", way?: [number, number]): Camera {
+export function fit(positions: Float32Array, points: Vec3[], [width, height]: Spot, axis: Axis = "z", way?: [number, number], above = false): Camera {
   // The camera is so high that points at the same height appear apart, but not above a board that covers the points.
   const roofed = positions.some((z, i) => i % 3 === 2 && points.every((point) => point[2] < z));
-  const [yaw, pitch] = way ?? [axis === "x" ? Math.PI / 2 - 0.5 : 0.5, axis !== "z" ? 0.3 : roofed ? 0.45 : 0.72];
+  const [yaw, pitch] = way ?? (above && axis === "z" && !roofed ? [0, 1.57] : [axis === "x" ? Math.PI / 2 - 0.5 : 0.5, axis !== "z" ? 0.3 : roofed ? 0.45 : 0.72]);
   const camera: Camera = { target: [0, 0, 0], yaw, pitch, distance: 1 };
   const { right, up, ahead } = frame(camera);
   const all = [...points];
@@ -139,4 +139,10 @@ export function fit(positions: Float32Array, points: Vec3[], [width, height]: Sp
   const middle = depths.reduce((sum, d) => sum + d, 0) / depths.length;
   const target = along(along(along([0, 0, 0], centre(right, wide), right), centre(up, high), up), middle, ahead);
   return { ...camera, target, distance: Math.max(back + middle, 0.05) };
+}
+
+/** Returns the camera between two with the same yaw and pitch, or on the way from one to another; `part` is 0 at the first. */
+export function between(from: Camera, to: Camera, part: number): Camera {
+  const mix = (a: number, b: number) => a + part * (b - a);
+  return { target: from.target.map((x, k) => mix(x, to.target[k])) as Vec3, yaw: mix(from.yaw, to.yaw), pitch: mix(from.pitch, to.pitch), distance: mix(from.distance, to.distance) };
 }

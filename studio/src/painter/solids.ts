@@ -66,7 +66,7 @@ export function wallLines(obstacles: Obstacle[], bounds: Bounds): Line[] {
   });
 }
 
-const tint = (obstacle: Obstacle): Vec3 => (obstacle.kind === "rigid" ? [0.56, 0.62, 0.7] : [0.78, 0.6, 0.5]);
+const tint = (obstacle: Obstacle): Vec3 => ("tint" in obstacle && obstacle.tint) || (obstacle.kind === "rigid" ? [0.56, 0.62, 0.7] : [0.78, 0.6, 0.5]);
 
 /** Makes the functions that paint obstacles. Spheres are opaque and walls are translucent, so paint spheres first. */
 export function createSolids(gl: Gl) {

@@ -1,5 +1,6 @@
 /** Stage: the axes with their marks, the vertical lines below points, and a bar of one wavelength. */
 
+import { MANY } from "../state/initial.ts";
 import type { Vec3 } from "../state/types.ts";
 import { along, type Camera, dot, frame, placeIn } from "./camera.ts";
 import type { Label } from "./labels.ts";
@@ -92,12 +93,23 @@ export function scaleBar({ slices, wavelength, theme }: Picture): { lines: Line[
   };
 }
 
-/** Returns lines from each point down to the plane of the array, each with a ring at its end; and the slices' borders. */
+/** The outline of a right hand seen from above, in mm from the middle of its palm. */
+const HAND = "-28,-80 -31,-45 -45,-25 -62,-2 -76,20 -72,29 -63,28 -44,6 -38,12 -40,40 -46,90 -41,99 -33,97 -22,46 -20,106 -11,114 -2,107 1,47 6,99 15,105 22,98 21,42 32,76 40,80 46,73 40,24 37,-20 30,-80";
+
+/** Returns the outline of a hand whose palm lies in the middle of the first slice, for the touch of a skin. */
+function palm({ slices, look, theme }: Picture): Line[] {
+  if (!look.touch || !slices.length) return [];
+  const middle = placeIn(slices[0].lattice, 0.5, 0.5);
+  const places = HAND.split(" ").map((pair) => pair.split(",").map(Number)).map(([x, y]): Vec3 => along(middle, 1e-3, [x, y, 0]));
+  return places.slice(1).map((b, k) => ({ a: places[k], b, ink: INKS[theme].faint, width: 1.5 }));
+}
+
+/** Returns lines from each point, unless there are many, down to the plane of the array, with a ring at its end; and the slices' borders. */
 export function guides(picture: Picture, plane: number): Line[] {
   const { faint, strong } = INKS[picture.theme];
-  const foot = picture.points.flatMap(([x, y, z]): Line[] => [
+  const foot = (picture.points.length > MANY ? [] : picture.points).flatMap(([x, y, z]): Line[] => [
     { a: [x, y, z], b: [x, y, plane], ink: faint, width: 1 },
     ...ring([x, y, plane], 0.003, strong, 1.2),
   ]);
-  return [...foot, ...picture.slices.flatMap(({ lattice }) => outline(lattice, faint, 1))];
+  return [...foot, ...palm(picture), ...picture.slices.flatMap(({ lattice }) => outline(lattice, faint, 1))];
 }

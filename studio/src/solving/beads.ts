@@ -13,24 +13,37 @@ type Say = (word: "beadStays" | "beadsStay" | "beadLost" | "moreLost" | "othersS
 const RADIUS = 1e-3;
 
 /** The smallest radius of a drawn bead, in px. */
-const LEAST = 4.5;
+const LEAST = 7;
+
+/** Warm white. */
+const TINT: Vec3 = [1.35, 1.27, 1.12];
+
+/** The acceleration of a lost bead in m/s^2, and the time in s after which it is no more drawn. */
+const FALL = 9.81;
+const FALLEN = 0.25;
 
 /** The most lost beads that are named; the others are counted. */
 const NAMED = 3;
 
-/** Returns the places of the beads that are not lost, at a frame counted over all laps; the last of the laps, of `turn` frames, repeats. */
-export function beadsAt(flights: Flight[], frame: number, turn: number): Vec3[] {
+/**
+ * Returns the places of the beads at a frame counted over all laps; the last of the laps, of `turn` frames, repeats. A lost bead
+ * falls; `rate` is the number of frames per second.
+ */
+export function beadsAt(flights: Flight[], frame: number, turn: number, rate: number): Vec3[] {
   return flights.flatMap(({ places }) => {
     const count = places.length / 3;
-    const at = 3 * (frame < count ? frame : count - turn + (frame % turn));
-    const place = [...places.subarray(at, at + 3)] as Vec3;
-    return Number.isNaN(place[0]) ? [] : [place];
+    const at = frame < count ? frame : count - turn + (frame % turn);
+    const lost = places.findIndex(Number.isNaN);
+    const kept = lost < 0 ? at : Math.min(at, lost / 3 - 1);
+    const time = lost < 0 ? 0 : (frame - kept) / rate;
+    const [x, y, z] = places.subarray(3 * kept, 3 * kept + 3);
+    return kept < 0 || time > FALLEN ? [] : [[x, y, z - (FALL / 2) * time ** 2]];
   });
 }
 
 /** Returns beads as obstacles, which the painter draws; `pixel` returns the length of a pixel in m at a place. */
 export const balls = (places: Vec3[], pixel: (place: Vec3) => number, radius = RADIUS): Obstacle[] =>
-  places.map((center) => ({ center, radius: Math.max(radius, LEAST * pixel(center)), kind: "rigid" }));
+  places.map((center) => ({ center, radius: Math.max(radius, LEAST * pixel(center)), kind: "rigid", tint: TINT }));
 
 /** Returns sentences: which beads are lost and when, and how far the others are from their points at most. */
 export function fateOf(flights: BeadFlight[], say: Say): string[] {

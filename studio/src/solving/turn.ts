@@ -112,10 +112,10 @@ export class Turn {
       this.slow = performance.now() - before > PATIENCE;
       return resultOf(outcome);
     };
-    const [outcome, b] = await Promise.all([engine.slow.frame(t, scene(0), grids, state.ear), this.slow ? null : passing()]);
+    const [outcome, b] = await Promise.all([engine.slow.frame(t, scene(0), grids, state.ear), this.slow || state.level === "play" ? null : passing()]);
     if (stopped()) return null;
     const a = resultOf(outcome);
-    const beads = beadsAt(this.flights, lap * this.count + t, this.count);
+    const beads = beadsAt(this.flights, lap * this.count + t, this.count, this.rate);
     const shown: Shown = { points, results: [a, b], names: ["glide", ""], change: this.frames[t].change, beads };
     if (!quantity) return shown;
     this.skin ??= await predict(engine.slow, state, transducers, this.rate);

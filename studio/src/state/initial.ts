@@ -6,6 +6,9 @@ import type { State, Vec3 } from "./types.ts";
 /** The largest number of points on the page. */
 export const MOST_POINTS = keys.points[0] as number;
 
+/** Above this number of points they are dots without numbers and plumb lines, so that they do not hide the field. */
+export const MANY = 20;
+
 const RING = 0.04;
 /** The height of the points above an array, in m. */
 export const HEIGHT = 0.18;

@@ -15,10 +15,10 @@ export type OwnArray = { name: string; positions: Vec3[]; normals: Vec3[] } & Pa
 /** A sphere to be trapped: radius in m, density in kg/m^3, speed of sound in m/s; and gravity in m/s^2. */
 export type Bead = { radius: number; density: number; sound_speed: number; gravity: Vec3 };
 
-/** An obstacle, as `[[obstacles]]` of a scene file. */
+/** An obstacle, as `[[obstacles]]` of a scene file; `tint` is the colour of a bead, which is no obstacle but is drawn like one. */
 export type Obstacle =
   | { point: Vec3; normal: Vec3; kind: "rigid" | "soft" }
-  | { center: Vec3; radius: number; kind: "rigid" | "soft" };
+  | { center: Vec3; radius: number; kind: "rigid" | "soft"; tint?: Vec3 };
 
 export const SCALES = ["linear", "squared", "decibel"] as const;
 export const AXES = ["x", "y", "z"] as const;

@@ -17,7 +17,8 @@ test("three foci, their wave on an upright slice, and one sentence about one lar
   const { page, context } = await visit(open.browser, open.url);
   const { array, plane, points, quantity, level } = await state(page);
   expect([array, plane.axis, points.length, quantity, level]).toEqual([{ preset: "autd3", tiles: [1, 1] }, "y", 3, "wave", "play"]);
-  await expect.poll(() => page.locator(".sentence").innerText()).toMatch(/^3 foci of \d\.\d\d kPa \(1\d\d dB\), evenness 100 %, solved in [\d.]+ (µs|ms)$/);
+  await expect.poll(() => page.locator(".sentence p").innerText()).toMatch(/^3 foci of \d\.\d\d kPa \(1\d\d dB\),\nevenness 100 %, solved in [\d.]+ (µs|ms)$/);
+  expect(await page.locator(".sentence small").innerText()).toBe("40 kHz sound from 249 small speakers meets at the marked points: drag one.");
   const sizes = await page.locator(".sentence b, .sentence strong").evaluateAll((all) => all.map((each) => parseFloat(getComputedStyle(each).fontSize)));
   expect(sizes.filter((size) => size > 40)).toHaveLength(1);
   await page.waitForTimeout(3500);

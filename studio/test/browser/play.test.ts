@@ -74,11 +74,15 @@ test("a SonicSurface plays, and is off by Escape and blur", async () => {
   await context.close();
 });
 
-test("an array that no serial board plays is rejected with a reason", async () => {
+test("an array that no serial board plays is answered by the boards that do, each with its array, and by the command for others", async () => {
   const { page, context } = await visit(open.browser, open.url);
   await withPort(page);
   await page.getByRole("button", { name: /connect/i }).click();
-  expect(await page.getByRole("alert").innerText()).toContain("sonicsurface");
+  const dialog = page.getByRole("dialog");
+  expect(await dialog.innerText()).toMatch(/sonicsurface[^]*ultraino_flat8x8[^]*midair studio --on autd3/);
+  await dialog.getByRole("button", { name: /^sonicsurface/ }).click();
+  await expect.poll(async () => (await given(page)).length, { timeout: 20_000 }).toBeGreaterThanOrEqual(3);
+  expect(await page.evaluate(() => window.midair!.state().array)).toEqual({ preset: "sonicsurface", tiles: [1, 1] });
   await context.close();
 });
 
