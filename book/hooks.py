@@ -34,6 +34,8 @@ NARROW = 800
 FORMULA = re.compile(r"\$`([^`\n]+)`\$|^```math\n(.*?)\n```$", re.MULTILINE | re.DOTALL)
 #: Pages of the navigation, even if no page in docs/ links to them.
 ALWAYS = ("CHANGELOG.md", "CONTRIBUTING.md")
+#: Long pages of names and records, which every page would load for its search.
+UNSEARCHED = ("map.md", "repository/CHANGELOG.md")
 #: The target of a Markdown link to a file, not to a web address or an anchor.
 TARGET = re.compile(r"(?<=\]\()([^)#:\s]+)")
 
@@ -137,6 +139,8 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
         markdown = PROGRAM.sub(lambda found: gallery.links(found[1], "gallery/", STUDIO.is_dir()), markdown)
     if here.startswith("repository/"):
         page.meta["search"] = {"boost": 0.2}
+    if here in UNSEARCHED or here.startswith("repository/bench/"):
+        page.meta["search"] = {"exclude": True}
 
     def moved(link: re.Match[str]) -> str:
         path = outside(link[1], here)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 import midair
 import oracle
-from pictures import DOCS, head, line
+from pictures import head, line, save
 
 RATE = 10e3
 FRAMES = 200
@@ -125,7 +125,7 @@ def draw(array: midair.Array) -> None:
     )
     axes[2].legend(loc="lower right")
     axes[2].grid(alpha=0.3)
-    figure.savefig(DOCS / "motion.png", dpi=130)
+    save(figure, "motion")
 
 
 def main() -> None:

@@ -57,6 +57,6 @@ def main() -> None:
         frame.paste(seen.resize((SIDE, SIDE), Image.Resampling.BICUBIC), (SIDE + GAP, 0))
         frames.append(frame)
     path = DOCS / "moving.webp"
-    frames[0].save(path, save_all=True, append_images=frames[1:], duration=60, loop=0, quality=80)
+    frames[0].save(path, save_all=True, append_images=frames[1:], duration=60, loop=0, quality=28, method=6)
     metrics = sequence.metrics
     print(f"{path}: largest change {metrics.largest_change:.3f} rad, uniformity {metrics.uniformity:.4f}")
