@@ -1,6 +1,5 @@
 /** Array picker: a select of arrays. Browsers that support it show a small picture of the transducers beside each name. */
 
-import type { Engine } from "../solving/engine.ts";
 import type { State } from "../state/types.ts";
 import type { Context } from "./context.ts";
 import type { Word } from "./words.ts";
@@ -36,14 +35,15 @@ function drawn(positions: Float64Array): SVGElement {
 }
 
 /** Returns the positions (N, 3) in m of an array. */
-async function placesOf({ slow }: Engine, array: State["array"]): Promise<Float64Array> {
-  const places = await slow.arrayOf(JSON.stringify(sceneOf({ ...initial, array, points: [[0, 0, 0.1]] }, 0)));
+async function placesOf({ engine }: Context, array: State["array"]): Promise<Float64Array> {
+  const places = await engine.slow.arrayOf(JSON.stringify(sceneOf({ ...initial, array, points: [[0, 0, 0.1]] }, 0)));
   return places.subarray(0, places.length / 2);
 }
 
 /** Changes to another array, with its own scene; points that are not from the old array's scene stay, within its reach. */
-export async function bring({ studio, engine, alarm, say }: Context, array: State["array"]): Promise<void> {
-  const [from, to] = [studio.view.positions, await placesOf(engine, array)].map(roomOf);
+export async function bring(context: Context, array: State["array"]): Promise<void> {
+  const { studio, alarm, say } = context;
+  const [from, to] = [studio.view.positions, await placesOf(context, array)].map(roomOf);
   const { state } = studio.view;
   const same = (points: unknown) => JSON.stringify(points) === JSON.stringify(state.points);
   const change: Partial<State> = same(broughtBy(from).points) ? broughtBy(to) : reached(state, from, to);
@@ -52,7 +52,8 @@ export async function bring({ studio, engine, alarm, say }: Context, array: Stat
 }
 
 /** Makes the select; calls `change` with the name of the chosen array. */
-export function createArrayPicker({ engine, studio, say }: Context, change: (name: string) => void) {
+export function createArrayPicker(context: Context, change: (name: string) => void) {
+  const { engine, studio, say } = context;
   const select = element("select", { className: "arrays", onchange: () => change(select.value) });
   // The button of the closed select: it shows the chosen array with its picture.
   const face = element("button");
@@ -80,7 +81,7 @@ export function createArrayPicker({ engine, studio, say }: Context, change: (nam
   async function draw() {
     if (!CSS.supports("appearance", "base-select")) return;
     for (const { name } of engine.catalogue.presets) {
-      const places = await placesOf(engine, { preset: name, tiles: [1, 1] }).catch(() => null);
+      const places = await placesOf(context, { preset: name, tiles: [1, 1] }).catch(() => null);
       if (places) pictures.set(name, drawn(places));
     }
     illustrate();

@@ -24,8 +24,10 @@ const LOGO =
 /** Makes the bar. `levels` are the buttons for the page's levels, which the bar contains. */
 export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): { root: HTMLElement; update(): void } {
   const { studio, say } = context;
-  const button = (text: string, act: () => void, name = text, className = "") =>
-    name === text ? element("button", { onclick: act, className }, text) : explained(element("button", { onclick: act, className, "aria-label": name }, text), name);
+  const button = (text: string, act: () => void, name = text, className = "") => {
+    const made = element("button", { onclick: act, className, "aria-label": name }, text);
+    return name === text ? made : explained(made, name);
+  };
   const step = (way: "undo" | "redo") => {
     if (studio[way]()) context.announce(say(way === "undo" ? "undone" : "redone"));
   };

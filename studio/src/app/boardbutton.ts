@@ -42,10 +42,7 @@ export function createBoardButton(context: Context): HTMLElement {
     const cards = boards.flatMap(({ name, summary, baud }) => {
       const preset = presets.find(({ board }) => board === name)?.name;
       if (!baud || !preset) return [];
-      const take = () => {
-        dialog.close();
-        void bring(context, { preset, tiles: [1, 1] }).then(() => button.click());
-      };
+      const take = () => (dialog.close(), void bring(context, { preset, tiles: [1, 1] }).then(() => button.click()));
       return [element("li", {}, element("button", { onclick: take }, element("b", {}, preset), element("span", {}, `${summary}. ${say("plugIn")}`)))];
     });
     const command = element("button", { onclick: () => void context.copy(command, "midair studio --on autd3") }, "midair studio --on autd3");

@@ -75,11 +75,9 @@ export class Context {
       this.dialog("about", name, field);
       return field.select();
     }
-    const done = `✓ ${this.say("shared")}`;
-    if (name === done) return;
-    write(button, done);
     this.announce(this.say("shared"));
-    setTimeout(() => write(button, name), COPIED);
+    write(button, `✓ ${this.say("shared")}`);
+    setTimeout(() => name.startsWith("✓") || write(button, name), COPIED);
   }
 
   /** Calls `listener` at each change, until the page ends. */

@@ -60,7 +60,11 @@ export class Eye {
         return size.some((side, k) => Math.abs(2 * at[k] - side) > side);
       });
       const small = this.near() && this.share(this.now, size) < Math.min(SHARE, this.share(best, size) - 0.02);
-      if (fresh || cut || small || this.now.distance > LOOSE * best.distance) this.go(best, size);
+      if (fresh || cut || small || this.now.distance > LOOSE * best.distance) {
+        // It moves slowly, unless the view is new or has another size, or the user prefers less motion.
+        const slow = this.fitted && state.level === "play" && `${size}` === `${this.last}` && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+        [this.from, this.begun, this.now] = [slow ? this.now : null, performance.now(), best];
+      }
       if (fresh) this.turned = false;
       this.fitted = this.key(size);
       this.seen = state;
@@ -70,14 +74,6 @@ export class Eye {
     if (!this.from || part === 1) return this.now;
     requestAnimationFrame(this.repaint);
     return between(this.from, this.now, part ** 2 * (3 - 2 * part));
-  }
-
-  /** Moves to a camera: slowly at the level "play", unless the view is new or has another size, or the user prefers less motion. */
-  private go(best: Camera, size: Spot): void {
-    const slow = this.fitted && this.studio.view.state.level === "play" && `${size}` === `${this.last}` && !matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.from = slow ? this.now : null;
-    this.begun = performance.now();
-    this.now = best;
   }
 
   /** Whether the camera is so near that the slice fills the view, even if parts of the array are out of sight. */

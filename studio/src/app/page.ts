@@ -203,9 +203,9 @@ export class Page {
   /** Changes the level; methods are compared by |p|, and after the comparison the quantity is as before. */
   private go(level: Level): void {
     const { state } = this.studio.view;
-    const [enters, leaves] = [level === "compare" && state.level !== level, state.level === "compare" && state.level !== level];
-    const shown = enters && !isTouch(state.quantity) ? "modulus" : leaves && state.quantity === "modulus" ? this.before : null;
-    if (enters || leaves) this.before = enters ? state.quantity : null;
+    if (level === state.level) return;
+    const shown = level === "compare" && !isTouch(state.quantity) ? "modulus" : state.level === "compare" && state.quantity === "modulus" ? this.before : null;
+    this.before = level === "compare" ? state.quantity : null;
     this.studio.change({ level, ...(shown && { quantity: shown }) });
   }
 

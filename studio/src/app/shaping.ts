@@ -62,12 +62,12 @@ export function createShapes(context: Context): { root: HTMLElement; update(stat
   }
 
   let last: Shape = "heart";
-  const finer = element("button", { className: "small", hidden: true, onclick: () => void refine() }, say("finer"));
+  const finer = element("button", { className: "small", hidden: true, onclick: refine }, say("finer"));
 
   /** Takes four boards, and draws the last shape again, which is larger above them. */
-  async function refine() {
+  function refine() {
     studio.change({ array: { ...studio.view.state.array, tiles: [2, 2] } as State["array"] });
-    await studio.settled().then(() => draw(last));
+    return studio.settled().then(() => draw(last));
   }
 
   /** Draws a shape on a level slice at the height of the points, above the middle of the array. Its points are half a wavelength or more apart. */
@@ -97,8 +97,7 @@ export function createShapes(context: Context): { root: HTMLElement; update(stat
     update({ array, points, path, level }: State) {
       move.hidden = level !== "play";
       move.setAttribute("aria-pressed", String(path !== null));
-      const single = "preset" in array && array.tiles.join() === "1,1" && engine.catalogue.presets.some(({ name, tiles }) => tiles && name === array.preset);
-      finer.hidden = !single || points.length <= MANY;
+      finer.hidden = !("preset" in array && array.tiles.join() === "1,1" && points.length > MANY && engine.catalogue.presets.some(({ name, tiles }) => tiles && name === array.preset));
     },
   };
 }

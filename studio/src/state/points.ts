@@ -56,12 +56,7 @@ export function withTarget(state: State, index: number, pressure: number | null,
 const loudest = (pressures: number[]) => Math.max(...pressures);
 
 /** The room of an array, in m: its middle, its narrower side, its height, and whether its boards face each other. */
-export interface Room {
-  middle: Vec3;
-  side: number;
-  high: number;
-  faces: boolean;
-}
+export type Room = { middle: Vec3; side: number; high: number; faces: boolean };
 
 /** Returns the room of an array from its positions (N, 3) in m. */
 export function roomOf(positions: ArrayLike<number>): Room {
@@ -76,15 +71,10 @@ const NARROW = 0.12;
 
 /** Returns the scene that an array brings: traps between boards that face each other, one focus or three above others. */
 export function broughtBy({ middle: [x, y, z], side, high, faces }: Room): Partial<State> {
-  const scene = (points: Vec3[], z: number, size: number, quantity: State["quantity"], signature = ""): Partial<State> => ({
-    points: points.map((point) => rounded([point[0] + x, point[1] + y, point[2]])),
-    plane: { axis: "y", z: micro(z), size: micro(size), center: [x, y] },
-    quantity,
-    signature,
-    pressures: null,
-    path: null,
-    view: "slice",
-  });
+  const scene = (points: Vec3[], z: number, size: number, quantity: State["quantity"], signature = ""): Partial<State> => {
+    const plane: State["plane"] = { axis: "y", z: micro(z), size: micro(size), center: [x, y] };
+    return { points: points.map((point) => rounded([point[0] + x, point[1] + y, point[2]])), plane, quantity, signature, pressures: null, path: null, view: "slice" };
+  };
   if (faces) return scene(side < NARROW ? [[0, 0, z]] : [[-0.02, 0, z], [0.02, 0, z]], z, 0.85 * high, "modulus", "trap");
   if (side < NARROW) return scene([[0, 0, 0.6 * side]], 0.6 * side, 1.2 * side, "wave");
   return scene(first.points, first.plane.z, first.plane.size, first.quantity);
