@@ -1,4 +1,4 @@
-/** Shapes: buttons that replace the points by a circle, a line, a square, a heart or letters, flat as on a palm. */
+/** Shapes: buttons that replace the points by a level circle, line, square, heart or letters, or move them. */
 
 import type { Context } from "./context.ts";
 import { element, explained, icon } from "./dom.ts";

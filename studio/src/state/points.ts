@@ -1,4 +1,4 @@
-/** Points: the changes of a state when points are moved, added or removed, with their targets, or when the array is another. */
+/** Points: the changes of a state when points are moved, added or removed, or the array is another. */
 
 import { first, HEIGHT } from "./initial.ts";
 import { signatureOf } from "./signature.ts";
