@@ -25,7 +25,7 @@ export function createColourKey({ studio, theme, say }: Context): { root: HTMLEl
   const marks = ["least", "none", "most"].map(() => element("i"));
   const root = explained(element("div", { className: "colourkey", role: "img", "aria-label": say("scaleOf") }, bar, ...marks), say("scaleTip"));
   const update = () => {
-    root.hidden = studio.view.state.level !== "play" || discsOf(studio.view.state) === "phase";
+    if ((root.hidden = studio.view.state.level !== "play" || discsOf(studio.view.state) === "phase")) return;
     const look = lookOf(studio.view, theme);
     bar.style.background = `linear-gradient(to right, ${Array.from({ length: COUNT + 1 }, (_, k) => `rgb(${entry(mapOf(look), k / COUNT).map(Math.round)})`)})`;
     const all = ticks(look);
