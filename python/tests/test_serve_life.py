@@ -26,6 +26,7 @@ import pytest
 
 import midair
 import tactons
+from midair._boards.transport import before_what_computes
 from midair._serve.life import HAND, MOST_SOURCES, SILENCE, Life
 
 SLOW = bool(os.environ.get("MIDAIR_SLOW"))
@@ -250,6 +251,7 @@ class Stage:
         self._program.communicate(timeout=20)
 
     def _read(self, pipe: Path) -> None:
+        before_what_computes()
         with pipe.open("rb") as stream:
             while len(frame := stream.read(len(self._off))) == len(self._off):
                 with self._news:
@@ -277,7 +279,8 @@ class Stage:
 def history(stage: Stage, seed: int) -> tuple[str, float]:
     """Lets one source play while others only watch; it must play on until it ends, and then no longer.
 
-    Returns how it ended, and the time in s by which the board was off later than stated.
+    Returns how it ended, and the time in s by which the board was off later than stated, without what this
+    program lost.
     """
     from pythonosc.osc_message_builder import OscMessageBuilder
     from websockets.sync.client import connect
@@ -363,7 +366,7 @@ def history(stage: Stage, seed: int) -> tuple[str, float]:
         watching.start()
         ends.get(end, lambda: None)()
         assert stage.ends(stated + LATE), shown
-        late = time.monotonic() - begin - stated
+        late = time.monotonic() - begin - stated - stage.pulse.late(begin)
         assert stage.stays(False, 0.15), shown
         watching.join()
     return f"{player}, {end}", late

@@ -72,7 +72,7 @@ impl Board {
         let most = format.channels * format.most_boards;
         if transducers == 0 || transducers > most {
             let cure = format!("{} has 1 to {most} channels", format.name);
-            return Err(Error::invalid("transducers", transducers, cure));
+            return Err(Error::out_of_range("transducers", transducers, cure));
         }
         Ok(Self {
             format,

@@ -39,7 +39,7 @@ impl Channels {
         one_each("array.channels", channels.len(), "values", transducers, "transducers")?;
         if let Some((i, channel)) = channels.iter().enumerate().find(|(_, channel)| **channel >= transducers) {
             let cure = format!("give 0 to {}: there are no more channels than transducers", transducers - 1);
-            return Err(Error::invalid(format!("array.channels[{i}]"), channel, cure));
+            return Err(Error::out_of_range(format!("array.channels[{i}]"), channel, cure));
         }
         let count = channels.iter().max().map_or(0, |most| most + 1);
         let mut first = vec![None; count];

@@ -67,7 +67,7 @@ impl Quantization {
             && !PHASES.contains(&count)
         {
             let cure = format!("give {} to {}, or leave it out", PHASES.start(), PHASES.end());
-            return Err(Error::invalid("array.quantization.phases", count, cure));
+            return Err(Error::out_of_range("array.quantization.phases", count, cure));
         }
         if let Some(table) = &amplitudes {
             check_table(table)?;
@@ -89,7 +89,7 @@ impl Quantization {
         let count = ticks.len();
         if !count.is_multiple_of(2) || !(4..=MOST_TICKS).contains(&count) {
             let cure = format!("give an even number of 4 to {MOST_TICKS}");
-            return Err(Error::invalid("array.quantization.pulses", format!("{count} ticks"), cure));
+            return Err(Error::out_of_range("array.quantization.pulses", format!("{count} ticks"), cure));
         }
         for (k, &tick) in ticks.iter().enumerate() {
             error::real(&format!("array.quantization.pulses[{k}]"), tick, 0.0, true)?;

@@ -93,7 +93,7 @@ impl Course {
         control: &mut Control,
     ) -> Result<Flown, Error> {
         if knots < 2 || beads.is_empty() {
-            return Err(Error::invalid("beads", beads.len(), "give at least one, and two knots"));
+            return Err(Error::out_of_range("beads", beads.len(), "give at least one, and two knots"));
         }
         let points: Vec<usize> = beads.iter().map(|start| start.point).collect();
         let states: Vec<[f64; 3]> = beads.iter().flat_map(|start| [start.place, start.speed]).collect();

@@ -112,7 +112,7 @@ impl Curve {
         }
         if !ratio.iter().all(|&lobes| lobes % 1.0 == 0.0 && (1.0..=MOST_LOBES).contains(&lobes)) {
             let cure = format!("give two whole numbers from 1 to {MOST_LOBES}");
-            return Err(Error::invalid("ratio", format_args!("{ratio:?}"), cure));
+            return Err(Error::out_of_range("ratio", format_args!("{ratio:?}"), cure));
         }
         // In lowest terms, one period runs through the figure once.
         let lobes = ratio.map(|lobes| lobes as usize);

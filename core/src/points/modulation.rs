@@ -56,7 +56,7 @@ impl Modulation {
         }
         if let Some(k) = samples.iter().position(|sample| !(0.0..=1.0).contains(sample)) {
             let value = format!("{:?}", samples[k]);
-            return Err(Error::invalid(format!("samples[{k}]"), value, "give numbers from 0 to 1"));
+            return Err(Error::out_of_range(format!("samples[{k}]"), value, "give numbers from 0 to 1"));
         }
         let rate = real("samples_rate", rate, 0.0, true)?;
         let frequency = rate / samples.len() as f64;
@@ -89,5 +89,5 @@ fn deep(depth: f64) -> Result<f64> {
     if (0.0..=1.0).contains(&depth) {
         return Ok(depth);
     }
-    Err(Error::invalid("depth", format!("{depth:?}"), "give a number from 0 to 1"))
+    Err(Error::out_of_range("depth", format!("{depth:?}"), "give a number from 0 to 1"))
 }

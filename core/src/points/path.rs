@@ -112,7 +112,7 @@ impl Path {
         let Run { speed, frequency, turns, points } = run;
         real("turns", turns, 0.0, true)?;
         if !(1..=super::MOST).contains(&points) {
-            return Err(Error::invalid("points", points, format!("give 1 to {}", super::MOST)));
+            return Err(Error::out_of_range("points", points, format!("give 1 to {}", super::MOST)));
         }
         let (targets, way) = (spread(pressures, 1, points)?, turns * curve.length());
         let (duration, closed) = (lasting(way, turns, speed, frequency)?, curve.closed() && turns == math::rint(turns));
@@ -151,7 +151,7 @@ impl Path {
         let duration = (count - usize::from(!closed)) as f64 / rate;
         if !duration.is_finite() {
             let cure = format!("the path would last {duration} s, give another");
-            return Err(Error::invalid("rate", format_args!("{rate:?}"), cure));
+            return Err(Error::out_of_range("rate", format_args!("{rate:?}"), cure));
         }
         let targets = spread(pressures, count, points)?;
         Ok(Self::new(points, duration, closed, pressures, Course::Frames { rate, places, targets }))
@@ -286,7 +286,7 @@ impl Path {
     /// A rate that gives fewer than two frames, too many at once, or too few for the modulation.
     pub fn count(&self, rate: f64) -> Result<usize> {
         frame_rate(rate)?;
-        let refused = |cure: &str| Err(Error::invalid("rate", format_args!("{rate:?}"), cure));
+        let refused = |cure: &str| Err(Error::out_of_range("rate", format_args!("{rate:?}"), cure));
         let count = math::rint(self.duration * rate) + f64::from(u8::from(!self.closed));
         if count < 2.0 {
             let lasts = figures(self.duration, 6);
@@ -332,7 +332,7 @@ fn spread(pressures: Option<&[f64]>, frames: usize, points: usize) -> Result<Vec
     let Some(list) = pressures else { return Ok(vec![1.0; all]) };
     if let Some(k) = list.iter().position(|&each| !(each >= 0.0 && each.is_finite())) {
         let item = if list.len() == 1 { "pressures".into() } else { format!("pressures[{k}]") };
-        return Err(Error::invalid(item, format_args!("{:?}", list[k]), "give numbers of at least 0 in Pa"));
+        return Err(Error::out_of_range(item, format_args!("{:?}", list[k]), "give numbers of at least 0 in Pa"));
     }
     if ![1, points, all].contains(&list.len()) {
         let more = if frames > 1 { format!(" or {frames} x {points}") } else { String::new() };
@@ -355,7 +355,7 @@ fn lasting(way: f64, runs: f64, speed: Option<f64>, frequency: Option<f64>) -> R
     if duration > 0.0 && duration.is_finite() {
         return Ok(duration);
     }
-    Err(Error::invalid(item, format_args!("{pace:?}"), format!("the path would last {duration} s, give another")))
+    Err(Error::out_of_range(item, format_args!("{pace:?}"), format!("the path would last {duration} s, give another")))
 }
 
 /// Checks that exactly one of two numbers is given.

@@ -114,7 +114,7 @@ impl Array {
             if value == 0 || (value != 1 && !preset.tiles) {
                 let cure =
                     if preset.tiles { "give at least 1 board" } else { "this preset is one piece: leave tiles out" };
-                return Err(Error::invalid(format!("array.tiles[{axis}]"), value, cure));
+                return Err(Error::out_of_range(format!("array.tiles[{axis}]"), value, cure));
             }
         }
         count("array.tiles", tiles[0].saturating_mul(tiles[1]).saturating_mul(preset.count))?;
@@ -365,7 +365,7 @@ impl PartialEq for Array {
 fn count(item: &str, transducers: usize) -> Result<()> {
     if transducers > MOST_TRANSDUCERS {
         let cure = format!("give at most {MOST_TRANSDUCERS} transducers");
-        return Err(Error::invalid(item, transducers, cure));
+        return Err(Error::out_of_range(item, transducers, cure));
     }
     Ok(())
 }

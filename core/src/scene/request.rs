@@ -117,7 +117,7 @@ pub(crate) fn check_drive(drive: &[Complex32], transducers: usize) -> Result<()>
         refuse_if!(!modulus.is_finite(), Error::not_finite(format!("drive[{i}]"), q));
         if modulus > 1.0 + 1e-6 {
             let cure = "a drive's modulus is at most 1; divide all by the largest, or each above 1 by its own";
-            return Err(Error::invalid(format!("drive[{i}]"), q, cure));
+            return Err(Error::out_of_range(format!("drive[{i}]"), q, cure));
         }
     }
     Ok(())

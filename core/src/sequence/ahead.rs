@@ -133,7 +133,7 @@ fn check_start(start: &[u16], count: usize, transducers: usize, phases: u32) -> 
         None => Ok(()),
         Some(k) => {
             let item = format!("start[{}, {}]", k / transducers, k % transducers);
-            Err(Error::invalid(item, start[k], format!("give codes below {phases}")))
+            Err(Error::out_of_range(item, start[k], format!("give codes below {phases}")))
         }
     }
 }

@@ -227,7 +227,7 @@ impl Session {
         control: &mut Control,
     ) -> Result<(usize, usize, usize)> {
         if count == 0 || points == 0 {
-            return Err(Error::invalid("batch", count, "give at least one problem and one point"));
+            return Err(Error::out_of_range("batch", count, "give at least one problem and one point"));
         }
         let (transducers, threads) = (self.transducers(), control.threads());
         if drives != count * transducers {

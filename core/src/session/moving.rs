@@ -513,7 +513,7 @@ impl Session {
     ) -> Result<()> {
         let (count, frames, first) = (moving.count(), moving.frames(), range.start);
         if range.is_empty() || range.end > frames {
-            return Err(Error::invalid("frames", format!("{range:?}"), format!("give some of {frames}")));
+            return Err(Error::out_of_range("frames", format!("{range:?}"), format!("give some of {frames}")));
         }
         if first == 0 {
             self.last.clear();
@@ -582,7 +582,7 @@ pub fn sight(ahead: Option<&Value>, closed: bool) -> Result<Option<usize>> {
         Some(word @ Value::Text(_)) => {
             return Err(Error::invalid("ahead", word, "give a whole number of frames, or \"all\""));
         }
-        Some(other) => return Err(Error::invalid("ahead", other, "give a whole number of at least 0")),
+        Some(other) => return Err(Error::out_of_range("ahead", other, "give a whole number of at least 0")),
     };
     if closed {
         let cure = "give ahead = \"all\", that the last frame meets the first";

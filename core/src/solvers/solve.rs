@@ -133,7 +133,7 @@ fn check(solution: &Solution) -> Result<()> {
     let unfit = solution.drive.iter().position(|q| !fine(true, q)).unwrap_or_default();
     let q = solution.drive[unfit];
     if q.is_finite() {
-        return Err(Error::invalid(format!("drive[{unfit}]"), q, "a solver's drives have a modulus of at most 1"));
+        return Err(Error::out_of_range(format!("drive[{unfit}]"), q, "a solver's drives have a modulus of at most 1"));
     }
     Err(Error::lost())
 }

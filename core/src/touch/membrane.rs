@@ -115,6 +115,7 @@ impl Membrane {
             let cure = alloc::format!("give {rows} x {columns} for each of {} frequencies", frequencies.len());
             return Err(Error::invalid("lines", alloc::format!("{} numbers", lines.len()), cure));
         }
+        crate::error::real("the distance of places", step, 0.0, true)?;
         let [down, across] = [rows, columns].map(|side| (2 * side - 1).next_power_of_two().max(2));
         control.room("the waves of a skin", [0, places], bytes(16, &[2, down, across]))?;
         let waves = Waves { along: Fourier::new(across), up: Fourier::new(down), size: [down, across] };

@@ -29,7 +29,7 @@ impl Pushes {
         frame_rate(rate)?;
         if count == 0 || places == 0 {
             let value = alloc::format!("{count} at {places} places");
-            return Err(Error::invalid("frames", value, "give at least one, and one place"));
+            return Err(Error::out_of_range("frames", value, "give at least one, and one place"));
         }
         let apart = rate / count as f64;
         // A line at 1 kHz is kept even if rounding has moved its frequency slightly above 1 kHz.
@@ -252,13 +252,13 @@ impl Touch {
     ) -> Result<Self> {
         let side = places.len().isqrt();
         if side < 2 || side * side != places.len() {
-            return Err(Error::invalid("places", places.len(), "give the square of 2 or more"));
+            return Err(Error::out_of_range("places", places.len(), "give the square of 2 or more"));
         }
         let stride = stride(count, frame_rate(rate)?);
         let mut pushes = Pushes::new(count / stride, rate / stride as f64, places.len(), control)?;
         if pushes.frequencies().is_empty() {
             let lap = format!("{} a second", rate / count as f64);
-            return Err(Error::invalid("laps", lap, "give at most 1000: a skin perceives nothing above 1 kHz"));
+            return Err(Error::out_of_range("laps", lap, "give at most 1000: a skin perceives nothing above 1 kHz"));
         }
         for sample in 0..count / stride {
             pushes.add(sample, &pushed(sample * stride)?, control)?;

@@ -34,7 +34,7 @@ impl Studio {
     fn flown(&mut self, course: &Course, point: usize, rate: f64) -> Result<Vec<f64>> {
         let opened = self.opened()?;
         if point >= opened.scene.points().len() {
-            return Err(Error::invalid("point", point, "give the number of one, from 0"));
+            return Err(Error::out_of_range("point", point, "give the number of one, from 0"));
         }
         let (model, bead, none) = (&opened.model, opened.scene.bead(), &mut Control::none());
         let place = course.resting(model, bead, &[point], none)?[0];

@@ -13,7 +13,7 @@ impl Studio {
         let places: Vec<[f64; 3]> = self.numbers_in.as_chunks().0.to_vec();
         let Opened { session, ask, scene, .. } = self.opened()?;
         let (count, transducers) = (scene.points().len(), scene.array().len());
-        if frames == 0 || places.len() != frames * count {
+        if frames == 0 || frames.checked_mul(count) != Some(places.len()) {
             let cure = format!("give {count} points in each of {frames} frames");
             return Err(Error::invalid("frames", format!("{} points", places.len()), cure));
         }
@@ -75,7 +75,7 @@ impl Studio {
     pub(crate) fn frame(&mut self, frame: usize) -> Result<()> {
         let transducers = self.opened()?.scene.array().len();
         let drive = self.frames.chunks(transducers).nth(frame).map(<[_]>::to_vec);
-        self.take(drive.ok_or_else(|| Error::invalid("frame", frame, "follow so many frames first"))?);
+        self.take(drive.ok_or_else(|| Error::out_of_range("frame", frame, "follow so many frames first"))?);
         Ok(())
     }
 

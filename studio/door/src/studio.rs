@@ -150,6 +150,12 @@ impl Studio {
             let cure = format!("the array has {count} transducers: give as many");
             return Err(Error::invalid("drive", format!("{} values", given.len()), cure));
         }
+        if let Some(at) = self.numbers_in.iter().position(|part| !part.is_finite()) {
+            return Err(Error::not_finite(format!("drive[{}]", at / 2), self.numbers_in[at]));
+        }
+        if !(0.0..=f32::MAX).contains(&scale) {
+            return Err(Error::out_of_range("scale", scale, "give a finite number of at least 0"));
+        }
         self.drive = given.iter().map(|&[re, im]| Complex32::new(re as f32, im as f32)).collect();
         self.scale = scale;
         Ok(())

@@ -26,7 +26,7 @@ impl Studio {
 
     pub(crate) fn moved(&mut self, frame: usize) -> Result<()> {
         let touch = self.touch.as_ref().filter(|touch| frame < touch.count());
-        let touch = touch.ok_or_else(|| Error::invalid("frame", frame, "predict the skin's motion first"))?;
+        let touch = touch.ok_or_else(|| Error::out_of_range("frame", frame, "predict the skin's motion first"))?;
         self.numbers = touch.at(frame, 0..touch.skin.slow.len()).into_iter().map(f64::from).collect();
         Ok(())
     }

@@ -145,7 +145,7 @@ impl<'a> Trap<'a> {
         }
         if radius > MOST * wavelength {
             let cure = format!("give at most {:.2e}, three wavelengths", MOST * wavelength);
-            return Err(Error::invalid("bead.radius", radius, cure));
+            return Err(Error::out_of_range("bead.radius", radius, cure));
         }
         for (j, &point) in points.iter().enumerate() {
             let nearest = array.positions().iter().map(|&place| distance(place, point)).fold(f64::INFINITY, f64::min);

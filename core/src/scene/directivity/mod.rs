@@ -64,7 +64,7 @@ impl Directivity {
             let item = format!("directivity.{}", self.law.name);
             real(&item, self.parameter, 0.0, length)?;
             if self.parameter > 1.0 && length {
-                return Err(Error::invalid(item, self.parameter, "give metres: no transducer is wider than 1 m"));
+                return Err(Error::out_of_range(item, self.parameter, "give metres: no transducer is wider than 1 m"));
             }
         }
         Ok(self)

@@ -83,7 +83,7 @@ impl Method for Glide {
         frame_rate(self.rate)?;
         if self.tau * self.rate > MOST_FRAMES {
             let cure = format!("give at most {:e} s, the time of {MOST_FRAMES} frames", MOST_FRAMES / self.rate);
-            return Err(Error::invalid("tau", self.tau, cure));
+            return Err(Error::out_of_range("tau", self.tau, cure));
         }
         Ok(())
     }

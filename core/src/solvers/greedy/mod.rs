@@ -163,7 +163,7 @@ impl Method for Greedy {
         for (item, value, range) in sizes {
             if !range.contains(&value) {
                 let cure = format!("give {} to {}", range.start(), range.end());
-                return Err(Error::invalid(item, value, cure));
+                return Err(Error::out_of_range(item, value, cure));
             }
         }
         real("change", self.change, 0.0, false).map(|_| ())
@@ -196,7 +196,7 @@ impl Greedy {
         }
         if !on.is_empty() && amplitudes > on.len() {
             let cure = format!("the device has {} amplitudes above 0: give at most as many", on.len());
-            return Err(Error::invalid("amplitudes", self.amplitudes, cure));
+            return Err(Error::out_of_range("amplitudes", self.amplitudes, cure));
         }
         // The amplitudes are evenly spaced in the table, and contain full drive.
         let value = |k: usize| match on {
