@@ -1,7 +1,7 @@
-"""`midair.exposure`: sound pressure levels at named places, beside a limit and its source."""
+"""`midair.exposure`: sound pressure levels at named places, beside a limit; audible levels of sequences."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field as member, replace
 from itertools import product
 from typing import Any, NamedTuple, TypeAlias
 
@@ -13,7 +13,8 @@ from .._points.ear import REFERENCE, Ear
 from .._sequence import Sequence
 from .._sequence.drives import rows
 from .._support import text as columns
-from .._support.arguments import number, refused, warn, without_warnings
+from .._support.arguments import flag, number, refused, warn, without_warnings
+from .audible import audible_lines, loudness
 
 
 class Limit(NamedTuple):
@@ -142,6 +143,9 @@ class Exposed:
         The place (x, y, z) in m.
     frame : int
         The loudest frame at this place, of a sequence; otherwise 0.
+    audible : float or None
+        A-weighted level in dB of the audible sound at the place, of a box in its middle, where it was
+        requested; -inf in silence.
 
     Examples
     --------
@@ -154,6 +158,7 @@ class Exposed:
     spl: float
     position: tuple[float, float, float]
     frame: int
+    audible: float | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -166,6 +171,10 @@ class Exposure:
         The places in the order given.
     limit : Limit
         Name, spl in dB, band in Hz and source of the limit.
+    frequencies : (L,) ndarray or None
+        Lines of the audible sound in Hz, where it was requested.
+    sound : (K, L) ndarray or None
+        Their peak pressures in Pa at each place.
 
     Examples
     --------
@@ -178,6 +187,8 @@ class Exposure:
 
     places: tuple[Exposed, ...]
     limit: Limit
+    frequencies: NDArray[np.float64] | None = member(default=None, compare=False)
+    sound: NDArray[np.float64] | None = member(default=None, compare=False)
 
     @property
     def worst(self) -> Exposed:
@@ -185,14 +196,25 @@ class Exposure:
         return max(self.places, key=lambda place: place.spl)
 
     @property
+    def loudest(self) -> float | None:
+        """Highest audible level in dB(A), where it was requested."""
+        levels = [place.audible for place in self.places if place.audible is not None]
+        return max(levels, default=None)
+
+    @property
     def above(self) -> tuple[str, ...]:
         """Names of the places where the level is above the limit."""
         return tuple(place.name for place in self.places if place.spl > self.limit.spl)
 
     def to_dict(self) -> dict[str, list[Any]]:
-        """Return the table as columns: place, spl in dB, over (the limit, in dB), x, y, z in m, frame."""
+        """Return the table as columns: place, spl, over (the limit), audible in dB, x, y, z in m, frame."""
         places = self.places
-        levels = {"spl": [place.spl for place in places], "over": [p.spl - self.limit.spl for p in places]}
+        levels: dict[str, Any] = {
+            "spl": [place.spl for place in places],
+            "over": [p.spl - self.limit.spl for p in places],
+        }
+        if self.sound is not None:
+            levels["audible"] = [place.audible for place in places]
         axes = {name: [place.position[axis] for place in places] for axis, name in enumerate("xyz")}
         names, frames = [place.name for place in places], [place.frame for place in places]
         return {"place": names, **levels, **axes, "frame": frames}
@@ -215,6 +237,8 @@ class Exposure:
             "over limit / dB": [f"{over:+.1f}" for over in table["over"]],
             "at x, y, z / mm": [", ".join(f"{1e3 * x:.1f}" for x in place.position) for place in self.places],
         }
+        if "audible" in table:
+            cells["audible / dB(A)"] = [f"{level:.1f}" for level in table["audible"]]
         return cells if not any(table["frame"]) else {**cells, "frame": [*map(str, table["frame"])]}
 
     @property
@@ -245,6 +269,7 @@ def exposure(
     places: Mapping[str, ArrayLike | Ear] | None = None,
     *,
     limit: str | float = "howard",
+    audible: bool = False,
 ) -> Exposure:
     """Compute sound pressure levels at named places, beside a limit and its source.
 
@@ -260,6 +285,9 @@ def exposure(
         Positions must be at least lambda/100 from every transducer, boxes at least lambda.
     limit : str or float, optional
         "howard" (110 dB), "acgih" (115), "acgih air" (145), "irpa" (100), or a level in dB.
+    audible : bool, optional
+        Whether to compute the audible sound that the air makes of a sequence, clicks between frames included:
+        seconds for one AUTD3 board, ten times as long for four.
 
     Returns
     -------
@@ -280,6 +308,11 @@ def exposure(
     A limit is the level that its source states, not a promise of safety. A place behind every
     transducer gives a SceneWarning.
 
+    The audible sound is the integral of d^2(|p|^2/2)/dt^2 beta/(4 pi rho c^4 R) over the air in front of the
+    array, R from the ear, beta = 1.2 (Westervelt, J. Acoust. Soc. Am. 35, 535, 1963; on the axis far from a
+    beam Berktay's formula, J. Sound Vib. 2, 435, 1965). The sequence repeats; its transducers have a time
+    constant of .2 ms; no hand or wall stops the beam.
+
     Examples
     --------
     >>> import midair
@@ -297,6 +330,11 @@ def exposure(
         scene, drive, places = about(scene, drive, places)
     named = limit_of(scene, limit)
     boxes = _boxes(places)
+    wanted = flag("audible", audible)
+    if wanted and not isinstance(drive, Sequence):
+        raise refused(
+            "audible", audible, "give a sequence: a drive that does not change makes no audible sound"
+        )
     blocks = _of_frames(scene, drive) if isinstance(drive, Sequence) else _of_one(scene, drive)
 
     def levels(points: Points) -> NDArray[np.float64]:
@@ -318,7 +356,12 @@ def exposure(
         spl = -np.inf if there[frame] == 0 else 20 * np.log10(there[frame] / np.sqrt(2) / REFERENCE)
         x, y, z = map(float, place)
         found.append(Exposed(name, float(spl), (x, y, z), frame))
-    return Exposure(tuple(found), named)
+    if not (wanted and isinstance(drive, Sequence)):
+        return Exposure(tuple(found), named)
+    frequencies, sound = audible_lines(drive, np.array([(low + high) / 2 for low, high in boxes.values()]))
+    levels_of = zip(found, loudness(frequencies, sound), strict=True)
+    sounding = tuple(replace(one, audible=float(level)) for one, level in levels_of)
+    return Exposure(sounding, named, frequencies, sound)
 
 
 def _boxes(places: Any) -> dict[str, tuple[Points, Points]]:
