@@ -13,9 +13,11 @@ pub const REACH: f64 = 2e-3;
 ///
 /// The thresholds are for a contactor of 2.9 cm^2 and long bursts. Gescheider and Verrillo 1979 (doi
 /// 10.1007/978-1-4613-3039-4_10) state that the threshold of the fast channel falls by 12 dB an octave from 40 Hz to
-/// its minimum near 250 Hz. All levels, the slope of the slow channel and the rise above 500 Hz were written from
-/// memory and are accurate to some 3 dB. Those of the fast channel are from Verrillo 1963 (J. Acoust. Soc. Am. 35,
-/// 1962), those of the slow channel from Bolanowski et al. 1988 (84, 1680).
+/// its minimum near 250 Hz. The levels are not verified: those of the fast channel are attributed to Verrillo 1963
+/// (J. Acoust. Soc. Am. 35, 1962), those of the slow channel to Bolanowski et al. 1988 (84, 1680), whose tables were not
+/// read. From 30 to 500 Hz the more sensitive channel is within the range of 171 men, 100 to 140 dB re 1e-6 m/s^2 rms
+/// (Lundstrom 1992, doi 10.1007/BF00380910, abstract); at 8 and 16 Hz it is 6 to 14 dB below it. Above 500 Hz both are
+/// an extrapolation without a source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
     /// Non-Pacinian I channel: senses differences of displacement over [`REACH`].
