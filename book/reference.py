@@ -50,7 +50,7 @@ PYTHON = [
         "motion",
         "Motion",
         "Drives for points that move, frame after frame, and their effect on beads and skin.",
-        "sequence Sequence SequenceMetrics stream fly Flight weigh Felt skin Skin haptic Haptic",
+        "sequence Sequence SequenceMetrics stream fly Flight weigh Felt skin Skin haptic Haptic recipes",
     ),
     (
         "measuring",

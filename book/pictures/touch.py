@@ -1,7 +1,6 @@
 """docs/touch.md: common tactile techniques by `midair.skin`, and `midair.haptic` beside them (5 min)."""
 
 import math
-import time
 
 import numpy as np
 from matplotlib import pyplot as plt
@@ -163,39 +162,8 @@ def chosen() -> None:
                 print(f"{board}, {name}: no schedule of these foci is more than {above:.1f} dB above it")
 
 
-def palm(corners: int) -> midair.Mesh:
-    """Returns an ellipsoid of 9 x 18 x 2.4 cm with this many vertices.
-
-    Its lowest point is in the points' plane.
-    """
-    from trimesh import PointCloud
-
-    k = np.arange(corners) + 0.5
-    z, turn = 1 - 2 * k / corners, np.pi * (1 + math.sqrt(5)) * k
-    ball = np.stack([np.sqrt(1 - z**2) * np.cos(turn), np.sqrt(1 - z**2) * np.sin(turn), z], axis=1)
-    hull = PointCloud(ball).convex_hull
-    return midair.Mesh(hull.vertices * [0.045, 0.09, 0.012] + [0, 0, HEIGHT + 0.012], hull.faces)
-
-
-def cost() -> None:
-    """Prints the CPU time per frame of `midair.skin`, the least of five, on a plane and on a mesh."""
-    array, ring = BOARDS["four AUTD3 boards"][0], midair.path.circle(MIDDLE, 0.02, speed=7)
-    for name, hand in (("plane, 4096 places", PLANE), ("mesh, 4000 corners", palm(4000))):
-        for rate in (4e3, 10e3, 20e3):
-            drawn = midair.sequence(array, ring, rate=rate, change=math.pi)
-            midair.skin(drawn, hand)
-            took = []
-            for _ in range(5):
-                start = time.process_time()
-                found = midair.skin(drawn, hand)
-                took.append(time.process_time() - start)
-            least, lines = 1e3 * min(took) / len(drawn), len(found.frequencies)
-            print(f"{name}, {rate / 1e3:g} kHz: {least:.2f} ms a frame ({len(drawn)} frames, {lines} lines)")
-
-
 def main() -> None:
     """Draws the picture and prints the tables."""
-    cost()
     chosen()
     array = midair.Array.preset("autd3", tiles=(2, 2))
     figure, axes = plt.subplots(4, 3, figsize=(10, 12.5), layout="constrained")

@@ -45,6 +45,7 @@ HOMES = {
     "_studio.view": "View view",
     "_sweep": "Dataset dataset sweep",
     "_touch.haptic": "Haptic haptic",
+    "_touch.recipes": "recipes",
     "_touch.skin": "Skin skin",
     "grad": "",
     "jax": "",

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -149,7 +150,10 @@ def test_the_bound_is_kept_and_a_slow_board_has_its_frames() -> None:
         (lambda: midair.haptic(LINE, ARRAY, rate=0), "rate is 0: give a number above 0"),
         (lambda: midair.haptic(LINE, ARRAY, rate=1e6), "rate is 1000000.0: give at most 50000 frames"),
         (lambda: midair.haptic(LINE, ARRAY, rate=1e308), r"rate is 1e\+308: give a number from"),
-        (lambda: midair.haptic(LINE, ARRAY, rate=4e3, aim="loud"), 'aim is "loud": give "strong" or "even"'),
+        (
+            lambda: midair.haptic(LINE, ARRAY, rate=4e3, aim="loud"),
+            'aim is "loud": give "strong", "even" or "pressure"',
+        ),
         (
             lambda: midair.haptic(LINE, ARRAY, rate=4e3, beside=-1),
             "beside is -1: give a number of at least 0",
@@ -268,3 +272,62 @@ def test_techniques_of_a_caller_are_compared_at_equal_drive() -> None:
     assert np.abs(found.sequence.drives).max() == pytest.approx(np.abs(alone.drives).max())
     with pytest.raises(midair.SceneError, match=r"techniques\.AM is 3: give a path of midair\.path"):
         midair.haptic(ring, ARRAY, rate=rate, techniques={"AM": 3})
+
+
+def test_a_push_is_found_that_presses_more_than_usual_techniques() -> None:
+    line = [[-0.015, 0, 0.15], [0.015, 0, 0.15]]
+    found = midair.haptic(line, ARRAY, rate=1e3, aim="pressure")
+    assert found.technique.startswith("pressure")
+    assert "of pressure" in repr(found)
+    assert found.gain > 6
+    assert found.pressure == pytest.approx(
+        20 * np.log10(found.skin.pressed[nearest(found, line)].mean()), abs=1
+    )
+    assert found.strength < max(found.standards.values())
+
+
+def nearest(found: midair.Haptic, line: Any) -> list[int]:
+    """Returns the indices of the skin's places nearest to places along a line."""
+    places = np.linspace(*line, 16)
+    return [int(np.linalg.norm(found.skin.places - place, axis=1).argmin()) for place in places]
+
+
+@pytest.mark.slow
+def test_it_is_as_quiet_as_requested_at_the_ears() -> None:
+    array = midair.Array.grid(8, 8, 10e-3)
+    line, ears = [[-0.01, 0, 0.1], [0.01, 0, 0.1]], {"ear": [0, 0.1, 0.3]}
+    own = {"amplitude": midair.path.still([0, 0, 0.1], duration=0.05).modulated(200)}
+    loud = midair.haptic(line, array, rate=1e3, techniques=own, ears=ears, limit=150)
+    level = midair.exposure(loud.sequence, ears, audible=True).loudest
+    quiet = midair.haptic(line, array, rate=1e3, techniques=own, ears=ears, limit=150, quiet=level - 20)
+    assert quiet.exposure.loudest <= level - 20 + 1e-6
+    assert max(quiet.standards.values()) == pytest.approx(quiet.strength)
+    assert "dB(A) at most" in repr(quiet)
+    # Strength and audible pressure go with the square of the drives.
+    played = midair.sequence(array, own["amplitude"], rate=1e3, change=np.pi)
+    before = midair.exposure(played, ears, audible=True).loudest
+    assert loud.standards["amplitude"] - quiet.standards["amplitude"] == pytest.approx(
+        max(before - level + 20, 0), abs=0.2
+    )
+    with pytest.raises(midair.SceneError, match="ears is None: give the ears"):
+        midair.haptic(line, array, rate=1e3, quiet=30)
+
+
+@pytest.mark.slow
+def test_the_page_has_the_strength_push_and_sound_of_six_techniques() -> None:
+    page = (Path(__file__).parents[2] / "docs/touch.md").read_text("utf-8")
+    array, place = midair.Array.preset("autd3"), [0, 0, 0.15]
+    for name, path in list(midair.recipes(place).items())[:6]:
+        played = midair.sequence(array, path, rate=4e3, change=np.pi)
+        (row,) = [line.split("|") for line in page.splitlines() if line.startswith(f"| {name} |")]
+        skin = midair.skin(played)
+        sound = played.exposure({"ear": [0, 0.15, 0.45]}, audible=True, limit=150).loudest
+        if name == "AM":
+            least = sound - skin.level
+        if name == "LM":
+            fine = midair.sequence(array, path, rate=20e3, change=np.pi)
+            quiet = fine.exposure({"ear": [0, 0.15, 0.45]}, audible=True, limit=150).loudest
+            assert quiet == pytest.approx(33, abs=0.6)
+            assert quiet - midair.skin(fine).level < least - 15
+        found = np.array([skin.level, 1e3 * skin.felt_force, sound])
+        assert found == pytest.approx([float(cell) for cell in row[3:6]], abs=0.6), name

@@ -18,7 +18,7 @@ from .._sequence.drives import lowered, time_constant
 from .._support.arguments import frame_rate, number, refused, warn, without_warnings, word
 from .._support.text import Facts
 from ..path import Path
-from .schedule import SPEEDS, Curve, Foci, Technique, moving, usual
+from .schedule import SPEEDS, USUAL, Curve, Foci, Technique, moving, pressing, usual
 from .skin import Skin, model_of, skin
 
 #: The skin is a square grid of points: their number per side, and the margin in m between shape and edge.
@@ -35,6 +35,9 @@ FASTEST = 50e3
 
 #: Largest plausible `beside` in m.
 WIDEST = 0.1
+
+#: Bounds in rad per frame that are tried where the result must be quiet; pi/16 is the default of sequences.
+QUIET = (math.pi / 4, math.pi / 16)
 
 #: Names of the arguments of the model.
 MODEL = ("speed", "loss", "mass", "reach", "tau")
@@ -56,15 +59,17 @@ class Haptic(Facts):
     technique : str
         The chosen technique.
     aim : str
-        "strong" or "even".
+        "strong", "even" or "pressure".
     strength, weakest : float
         Strength in dB above the threshold: the mean along the shape, and at its weakest place.
     standards : dict of str to float
         The four usual techniques and those of the caller, by name, with the same array, rate, bound and limit
-        at the ears: their `strength`, or their `weakest` if the aim is "even"; -inf where the board cannot
-        meet the limit.
+        at the ears: their `strength`, or their `weakest` if the aim is "even", or their `pressure` if it is
+        "pressure"; -inf where the board cannot meet the limit.
     exposure : midair.Exposure or None
-        Levels at the ears, if any were given.
+        Levels at the ears, if any were given; audible ones with `quiet`.
+    pressure : float
+        Mean of `skin.pressed` along the shape in dB re 1 Pa.
 
     Examples
     --------
@@ -84,24 +89,28 @@ class Haptic(Facts):
     weakest: float
     standards: dict[str, float]
     exposure: Exposure | None
+    pressure: float
 
     @property
     def gain(self) -> float:
         """Gain in dB over the best of `standards`, of the quantity that the aim maximises."""
-        reached = self.strength if self.aim == "strong" else self.weakest
+        reached = {"strong": self.strength, "even": self.weakest, "pressure": self.pressure}[self.aim]
         return reached - max(self.standards.values())
 
     def _rows(self) -> list[tuple[str, str]]:
         level = f"{self.strength:.1f} dB above threshold, {self.weakest:.1f} dB where it is weakest"
-        where = "in the mean" if self.aim == "strong" else "at the weakest place"
+        where = {"strong": "in the mean", "even": "at the weakest place", "pressure": "of pressure"}[self.aim]
         rows = [
             ("technique", self.technique),
             ("strength", level),
+            ("pressure", f"{self.pressure:.1f} dB re 1 Pa"),
             *((name, f"{value:.1f} dB") for name, value in self.standards.items()),
             ("gain", f"{self.gain:+.1f} dB {where}"),
         ]
         if self.exposure is not None:
             rows.append(("loudest ear", f"{self.exposure.worst.spl:.1f} dB SPL"))
+            if self.exposure.loudest is not None:
+                rows.append(("audible", f"{self.exposure.loudest:.1f} dB(A) at most"))
         return rows
 
 
@@ -117,6 +126,7 @@ def haptic(
     techniques: Mapping[str, Path] | None = None,
     ears: Mapping[str, Any] | None = None,
     limit: str | float = "howard",
+    quiet: float | None = None,
     **model: Any,
 ) -> Haptic:
     """Find the foci, frame by frame, with which a shape is felt best, by the model of `midair.skin`.
@@ -129,8 +139,10 @@ def haptic(
         The transducers.
     rate : float
         Frames per second that the board plays.
-    aim : {"strong", "even"}, optional
-        "strong": the largest mean strength along the shape; "even": the largest at its weakest place.
+    aim : {"strong", "even", "pressure"}, optional
+        "strong": the largest mean strength along the shape; "even": the largest at its weakest place;
+        "pressure": the largest steady push, `midair.Skin.pressed`, by foci that move in small steps 5 to 15
+        times a second (Morisaki et al., IEEE Trans. Haptics 15(2), 2022).
     change : float, optional
         Bound in rad per frame; by default none.
     closed : bool, optional
@@ -145,6 +157,9 @@ def haptic(
         technique that is louder is lowered to amplitudes of the board, before the techniques are compared.
     limit : str or float, optional
         The limit at the ears, as `midair.exposure` takes it.
+    quiet : float, optional
+        Largest audible level at the ears in dB(A), by `midair.exposure`. Louder techniques are lowered, and
+        foci that move with bounds of phase change are tried, too. It takes seconds for each technique.
     **model
         Properties of the skin: `speed`, `loss`, `mass` and `reach`, as for `midair.skin`.
 
@@ -180,13 +195,15 @@ def haptic(
         cure = f"give at most {FASTEST:g} frames per second, the time of the search grows with it"
         raise refused("rate", rate, cure)
     most = math.pi if change is None else bound_of(frames, change, None)
-    if word("aim", aim) not in ("strong", "even"):
-        raise refused("aim", aim, 'give "strong" or "even"')
+    if word("aim", aim) not in ("strong", "even", "pressure"):
+        raise refused("aim", aim, 'give "strong", "even" or "pressure"')
+    if quiet is not None and (number("quiet", quiet), ears)[1] is None:
+        raise refused("ears", ears, "give the ears at which it shall be quiet")
     reach = number("beside", beside, least=0)
     if reach > WIDEST:
         warn(f"beside is {reach:g} m, wider than a hand: give {reach * 1e-3:g} if mm are meant")
     for name in model.keys() - set(MODEL):
-        known = ["rate", "aim", "change", "closed", "beside", "techniques", "ears", "limit", *MODEL]
+        known = ["rate", "aim", "change", "closed", "beside", "techniques", "ears", "limit", "quiet", *MODEL]
         raise TypeError(str(unknown_name("argument of midair.haptic", name, known)))
     for name, path in (techniques or {}).items():
         if not isinstance(path, Path):
@@ -199,7 +216,7 @@ def haptic(
         # The arguments have caused their warnings. A movement too fast for the bound gives a weak result,
         # which is not chosen.
         judge = _Judge(array, curve, frames, reach, membrane, dict(model))
-        return _best(judge, aim, most, techniques, ears, limit)
+        return _best(judge, aim, most, techniques, ears, limit, quiet)
 
 
 def _best(
@@ -209,33 +226,42 @@ def _best(
     techniques: Mapping[str, Path] | None,
     ears: Mapping[str, Any] | None,
     limit: str | float,
+    quiet: float | None,
 ) -> Haptic:
-    """Return the best technique within a bound in rad per frame, and within the limit at the ears."""
+    """Return the best technique within a bound in rad per frame, and within the limits at the ears."""
     standards = [judge.tried(technique, most) for technique in usual(judge.curve, judge.rate)]
     if techniques is not None:
         standards = [judge.drawn(*own, most) for own in techniques.items()] + standards
         tried = []
+    elif aim == "pressure":
+        tried = [judge.drawn(*one, most) for one in pressing(judge.curve, judge.rate)]
     elif most < math.pi:
         tried = [judge.tried(moving(judge.curve, judge.rate, speed, 1), most) for speed in SPEEDS]
     else:
         tried = list(judge.climbed(aim))
+    if quiet is not None and techniques is None:
+        usually_moved = moving(judge.curve, judge.rate, USUAL, 1)
+        tried += [judge.tried(usually_moved, bound) for bound in QUIET if bound < most]
 
     def score(motion: Skin | None) -> float:
         if motion is None:
             return -math.inf
+        if aim == "pressure":
+            return judge.pressed(motion)
         along = motion.along(judge.under)
         return float(along.mean() if aim == "strong" else along.min())
 
     compared = [*tried, *standards]
     if ears is not None:
-        compared = [judge.spared(one, ears, limit) for one in compared]
+        compared = [judge.spared(one, ears, limit, quiet) for one in compared]
     best = max(compared, key=lambda one: score(one.skin))
     if best.skin is None:
         raise _too_loud(best, ears, limit)
     along = best.skin.along(judge.under)
     levels = decibels(along.mean()), decibels(along.min())
     usually = {one.name: decibels(max(score(one.skin), 0)) for one in compared[len(tried) :]}
-    return Haptic(best.played, best.skin, best.name, aim, *levels, usually, best.exposure)
+    pressure = decibels(judge.pressed(best.skin))
+    return Haptic(best.played, best.skin, best.name, aim, *levels, usually, best.exposure, pressure)
 
 
 class _Judged(NamedTuple):
@@ -292,13 +318,22 @@ class _Judge:
     def skin(self, played: Sequence) -> Skin:
         return skin(played, self._plane, **self._model)
 
-    def spared(self, judged: _Judged, ears: Mapping[str, Any], limit: str | float) -> _Judged:
-        """Return a technique at a level within the limit at the ears, as far as the board can play it."""
-        played = judged.played
-        softer, levels, factor = played, exposure(played, ears, limit=limit), 1.0
+    def pressed(self, motion: Skin) -> float:
+        """Return the mean pressure along the shape in Pa that the channel of pressure passes."""
+        return float(motion.pressed[[motion._nearest(place) for place in self.under]].mean())
+
+    def spared(
+        self, judged: _Judged, ears: Mapping[str, Any], limit: str | float, quiet: float | None
+    ) -> _Judged:
+        """Return a technique at a level within the limits at the ears, as far as the board can play it."""
+        played, audible = judged.played, quiet is not None
+        softer, levels, factor = played, exposure(played, ears, limit=limit, audible=audible), 1.0
         loud, steps = levels, (played.quantization or {}).get("amplitudes")
         for _ in range(LOWERINGS):
             above = levels.worst.spl - levels.limit.spl
+            if quiet is not None and levels.loudest is not None:
+                # The audible pressure goes with the square of the drives.
+                above = max(above, (levels.loudest - quiet) / 2)
             if above <= 0:
                 motion = judged.skin if softer is played else self.skin(softer)
                 return judged._replace(played=softer, skin=motion, exposure=levels)
@@ -311,7 +346,7 @@ class _Judge:
             points, targets, setting = played.points, played.targets * factor, played.setting()
             obstacles = played._scene.obstacles
             softer = Sequence(played.array, points, targets, drives, obstacles=obstacles, **setting)
-            levels = exposure(softer, ears, limit=limit)
+            levels = exposure(softer, ears, limit=limit, audible=audible)
         return judged._replace(skin=None, exposure=loud)
 
     def _judged(

@@ -18,13 +18,16 @@ from numpy.typing import ArrayLike, NDArray
 from .._midair import HIGHEST, Array, Membrane, Plane, Scene, SceneError, restated, solve_batch, threshold
 from .._pictures.panel import squares
 from .._support.arguments import flag, refused, vectors, warn, without_warnings
-from ..path import Path
+from ..path import Path, from_array
 
 #: Places of a focus along the shape: their distance in m, and their largest number.
 STEP, MOST = 2e-3, 200
 
 #: Largest extent of a shape in m. Larger ones are not on a hand; their places are probably in mm.
 LARGEST = 1.0
+
+#: Frequencies in Hz of foci that are felt as a steady push: 5 to 15 Hz (Morisaki et al. 2022).
+PRESSING = (5.0, 15.0)
 
 #: Draw speeds in m/s: of the usual techniques, and further ones that are tried if there is a bound.
 USUAL, SPEEDS = 7.0, (5.0, 6.0, 8.0, 10.0)
@@ -240,6 +243,13 @@ class Curve(NamedTuple):
         found: NDArray[np.int64] = np.rint(back * (count - 1)).astype(np.int64)
         return found
 
+    def at(self, ways: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the places (..., 3) at fractions of the length, between those of the curve."""
+        count = len(self.places)
+        ends = np.concatenate([self.places, self.places[:1]]) if self.closed else self.places
+        where = ways % 1 * count if self.closed else np.abs((ways + 1) % 2 - 1) * (count - 1)
+        return np.stack([np.interp(where, np.arange(len(ends)), column) for column in ends.T], axis=-1)
+
 
 def _times(rate: float, frequency: float) -> NDArray[np.float64]:
     """Return the times of a period's frames, as fractions of the period, which is rounded to whole frames."""
@@ -256,11 +266,33 @@ def moving(curve: Curve, rate: float, speed: float, points: int) -> Technique:
     return Technique(name if points == 1 else f"{name}, {points} foci", ways, np.ones(len(t)))
 
 
+def pressing(curve: Curve, rate: float) -> Iterator[tuple[str, Path]]:
+    """Yield techniques that are felt as a steady push: a focus runs along the curve, or several swing.
+
+    They repeat 5 to 15 times a second, in steps as small as the rate allows (Morisaki et al. 2022).
+    """
+    laps, rest = 1 if curve.closed else 2, _rest(curve)
+    for frequency in PRESSING:
+        t = _times(rate, frequency)[:, None]
+        ways = rest + 0.25 / len(rest) * np.sin(2 * np.pi * t)
+        for name, moved in (
+            (f"{frequency:g} laps/s", laps * t),
+            (f"{len(rest)} foci, {frequency:g} Hz", ways),
+        ):
+            yield f"pressure, {name}", from_array(curve.at(moved), rate=rate, closed=True)
+
+
+def _rest(curve: Curve) -> NDArray[np.float64]:
+    """Return places of foci at rest, 1 cm apart, as fractions of the length."""
+    spread = max(round(curve.length / 0.01), 2)
+    found: NDArray[np.float64] = (np.arange(spread) + 0.5 * (not curve.closed)) / spread
+    return found
+
+
 def usual(curve: Curve, rate: float) -> Iterator[Technique]:
     """Yield the four usual techniques: amplitude and lateral modulation, one and two foci that move along."""
-    spread = max(round(curve.length / 0.01), 2)
-    rest = (np.arange(spread) + 0.5 * (not curve.closed)) / spread
-    t = _times(rate, 200.0)
+    rest = _rest(curve)
+    spread, t = len(rest), _times(rate, 200.0)
     amplitudes = np.sqrt((1 + np.cos(2 * np.pi * t)) / 2)
     still = np.tile(rest, (len(t), 1))
     yield Technique(f"AM at {rate / len(t):.4g} Hz, {spread} foci", still, amplitudes)
