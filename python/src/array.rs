@@ -16,6 +16,8 @@ use crate::ready::{Cache, Ready};
 ///     Places in m.
 /// normals : (N, 3) array_like, optional
 ///     Directions, which are normalised; by default +z.
+/// unit : {"m", "cm", "mm", "um"}, optional
+///     Unit of the positions; by default m.
 /// {parts}
 ///
 /// Raises
@@ -84,14 +86,21 @@ hashed!(Array: self => (self.inner.positions()[0].map(bits), bits(self.inner.tra
 #[pymethods]
 impl Array {
     #[staticmethod]
-    #[pyo3(name = "_new", signature = (positions, normals=None, **parts))]
+    #[pyo3(name = "_new", signature = (positions, normals=None, *, unit="m", **parts))]
     fn new(
         positions: &Bound<'_, PyAny>,
         normals: Argument<'_, '_>,
+        unit: &str,
         parts: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
+        if positions.is_instance_of::<PyString>() {
+            return Err(invalid("positions", &quoted(positions), "a known array is midair.Array.preset(NAME)"));
+        }
         let normals = normals.map(|normals| read::vectors("normals", normals)).transpose()?;
-        let array = midair::Array::new(read::vectors("positions", positions)?, normals).map_err(refused)?;
+        let mut places = read::vectors("positions", positions)?;
+        let size = midair::files::length(unit).map_err(refused)?;
+        places.iter_mut().flatten().for_each(|x| *x *= size);
+        let array = midair::Array::new(places, normals).map_err(refused)?;
         Self::from(array).with_parts(parts::keywords("Array", parts)?)
     }
 

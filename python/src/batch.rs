@@ -214,7 +214,7 @@ getters! {
 ///     Points in m; none for a matrix.
 /// pressures : float, (M,) or (B, M) array_like, optional
 ///     Peak pressures in Pa; for a matrix (B, M).
-/// solver : str, optional
+/// solver : str or callable, optional
 ///     A name of `solvers()`, as in `solve`.
 /// weights : float, (M,) or (B, M) array_like, optional
 ///     Weights; a weight of 0 pads problems with fewer points.
@@ -270,7 +270,10 @@ pub(crate) fn solve_batch(
     progress: Option<Py<PyAny>>,
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Batch> {
-    let Setting { mut session, chosen, source } = Setting::read(scene, solver, options)?;
+    if let Some(word) = pressures.filter(|given| given.is_instance_of::<PyString>()) {
+        return Err(invalid("pressures", &quoted(word), "give numbers in Pa; a solver goes by keyword, solver="));
+    }
+    let Setting { mut session, chosen, source, raised } = Setting::read(scene, solver, options)?;
     let (points, [count, size]) = if let Some(points) = points_of(&session, points, "(B, M, 3)")? {
         read::batch_of_points("points", points)?
     } else {
@@ -310,7 +313,9 @@ pub(crate) fn solve_batch(
     };
     let slice = writable.as_slice_mut()?;
     let inner =
-        attend(py, progress, |control| session.solve_batch(count, size, &write, slice, &mut control.on(threads)))?;
+        attend(py, progress, |control| session.solve_batch(count, size, &write, slice, &mut control.on(threads)));
+    raised.check()?;
+    let inner = inner?;
     let drives = (**writable).clone();
     if out.is_none() {
         writable.make_nonwriteable();

@@ -118,9 +118,9 @@ pub(crate) fn placed(text: &[u8], name: &str, error: &Bound<'_, PyAny>) -> PyRes
 type Read<'py> = (Array1<'py, usize>, Array2<'py, f64>);
 
 /// Reads the table in a file's bytes; `name` is its name in errors. `names` are the columns, by default those of positions,
-/// and `optional` further ones, which are NaN where they are missing.
+/// and `optional` further ones, which are NaN where they are missing. `length` is the unit of x, y and z without one.
 #[pyfunction(name = "read_table")]
-#[pyo3(signature = (text, name, names=None, optional=None, units="in metres", example=""))]
+#[pyo3(signature = (text, name, names=None, optional=None, units="in metres", example="", length="m"))]
 pub(crate) fn table<'py>(
     py: Python<'py>,
     text: &[u8],
@@ -129,13 +129,14 @@ pub(crate) fn table<'py>(
     optional: Option<Vec<String>>,
     units: &str,
     example: &str,
+    length: &str,
 ) -> PyResult<Read<'py>> {
     let names: Option<Vec<&str>> = names.as_ref().map(|names| names.iter().map(String::as_str).collect());
     let optional = optional.unwrap_or_default();
     let optional: Vec<&str> = optional.iter().map(String::as_str).collect();
     let choices = names.as_deref().map(|names| [names]);
-    let own = |choices| Columns { choices, optional: &optional, units, example };
-    let columns = choices.as_ref().map_or(POSITIONS, |choices| own(choices));
+    let own = |choices| Columns { choices, optional: &optional, units, example, length };
+    let columns = choices.as_ref().map_or(Columns { length, ..POSITIONS }, |choices| own(choices));
     let table = files::read_table(text, name, columns).map_err(refused)?;
     let rows =
         PyArray2::from_vec2(py, &table.rows).map_err(|error| refused(midair::Error::invalid("text", error, "")))?;

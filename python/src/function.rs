@@ -42,6 +42,12 @@ impl Function {
         // A functools.partial has no name; its function has. Other callable objects are named by their class.
         let name = solver.getattr("__name__").or_else(|_| solver.getattr("func")?.getattr("__name__"));
         let name = name.and_then(|name| name.extract()).or_else(|_| solver.get_type().name()?.extract())?;
+        // A function of Python tells which arguments it takes; those of other languages may not.
+        let signature = solver.py().import("inspect")?.call_method1("signature", (solver,));
+        if let Some(error) = signature.ok().and_then(|it| it.call_method("bind", (0, 0, 0), keywords).err()) {
+            let cure = "a solver is called as solver(propagation, targets, weights) and returns a drive (N,)";
+            return Err(PyTypeError::new_err(format!("{name}: {}: {cure}", error.value(solver.py()))));
+        }
         let keywords = keywords.map(|keywords| keywords.clone().unbind());
         Ok(Some(Self { solver: solver.clone().unbind(), keywords, name, raised: Raised::default() }))
     }

@@ -321,7 +321,7 @@ pub(crate) fn flag(item: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
 /// Reads a solver's name.
 pub(crate) fn name(value: &Bound<'_, PyAny>) -> PyResult<String> {
     if value.is_callable() {
-        let cure = "give a name; a function solves one scene at a time, by midair.solve";
+        let cure = "give a name; a function solves scenes by midair.solve, or many by midair.solve_batch";
         return Err(invalid("solver", &quoted(value), cure));
     }
     text("solver", value, "give a name as text; pressures go by keyword, pressures=")

@@ -7,6 +7,7 @@ use crate::array::Array;
 use crate::bead;
 use crate::bodies::obstacle_objects;
 use crate::chosen::{Chosen, Naming};
+use crate::function::Raised;
 use crate::keywords::Keywords;
 use crate::prelude::*;
 use crate::propagation::{Matrix, Propagation};
@@ -18,6 +19,8 @@ pub(crate) struct Setting {
     pub(crate) session: Session,
     pub(crate) chosen: Chosen,
     pub(crate) source: Source,
+    /// Where a solver that is a function stores an exception.
+    pub(crate) raised: Raised,
 }
 
 /// Keywords that a matrix does not take, each with the cure.
@@ -97,7 +100,7 @@ pub(crate) fn points_of<T>(session: &Session, points: Option<T>, shape: &str) ->
 
 impl Setting {
     /// Reads a Scene (its array, medium and solver), an Array or a Propagation, and keywords: the Scene's, `signature`,
-    /// `bead`, `obstacles`, `balance`, `aim`, and the solver's options.
+    /// `bead`, `obstacles`, `balance`, `aim`, and the solver's options. The solver may be a function in Python.
     pub(crate) fn read(
         object: &Bound<'_, PyAny>,
         solver: Argument<'_, '_>,
@@ -117,10 +120,11 @@ impl Setting {
             let setup = [quantization.as_ref(), mask.as_ref(), positions.as_ref()];
             let matrix = Matrix::read(&matrix.get().inner, setup)?;
             let board = matrix.setup.quantization.as_deref();
-            let (chosen, Configured { solver, .. }) = Chosen::read(None, board, naming, Some(keywords.rest()))?;
+            let own = Chosen::read_with_functions(py, None, board, naming, Some(keywords.rest()))?;
+            let (chosen, Configured { solver, .. }, raised) = own;
             let Matrix { propagation, setup } = matrix.clone();
             let session = Session::with_propagation(propagation, Setup::clone(&setup), solver, chosen.balances());
-            return Ok(Self { session: session.map_err(refused)?, chosen, source: Source::Given(matrix) });
+            return Ok(Self { session: session.map_err(refused)?, chosen, source: Source::Given(matrix), raised });
         }
         if positions.is_some() {
             return Err(invalid("positions", "given", "an array has its own: they go with Propagation"));
@@ -137,9 +141,10 @@ impl Setting {
         let reported = scene.map_or(&[][..], |scene| &scene.ready.doubts);
         warn_all(py, ready.doubts.iter().filter(|doubt| !reported.contains(doubt)))?;
         let (file, board) = (extras.solver.as_ref(), ready.model.array().quantization());
-        let (chosen, Configured { solver, .. }) = Chosen::read(file, board, naming, Some(keywords.rest()))?;
+        let own = Chosen::read_with_functions(py, file, board, naming, Some(keywords.rest()))?;
+        let (chosen, Configured { solver, .. }, raised) = own;
         let model = ready.model_with(py, extras)?;
         let session = Session::new(model.clone(), solver, chosen.balances());
-        Ok(Self { session, chosen, source: Source::Model(model) })
+        Ok(Self { session, chosen, source: Source::Model(model), raised })
     }
 }

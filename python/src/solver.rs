@@ -182,7 +182,8 @@ impl Solver {
         if points == Some(0) {
             return Err(invalid("points", "0", "give a whole number, 1 or above"));
         }
-        let Setting { session, chosen, source } = Setting::read(scene, solver, options)?;
+        solver.map(read::name).transpose()?;
+        let Setting { session, chosen, source, .. } = Setting::read(scene, solver, options)?;
         if let (Some(count), Some(most)) = (session.given_points(), points)
             && most < count
         {

@@ -473,3 +473,35 @@ def test_the_field_of_a_drive_from_ultraino_is_that_of_its_formula(tmp_path: Pat
     u = 0.5 * 9e-3 * wave * np.hypot(apart[:, 0], apart[:, 1]) / r
     expected = (2.53 * np.sin(u) / u / r * np.exp(1j * (wave * r + 0.1 * np.pi * np.arange(4)))).sum()
     assert abs(field[0]) == pytest.approx(abs(expected), rel=0.03)
+
+
+def test_a_table_may_be_in_millimetres(tmp_path: Path) -> None:
+    places = midair.Array.grid(3, 3, 0.01).positions
+    np.savetxt(tmp_path / "mm.csv", 1e3 * places, delimiter=",")
+    np.savetxt(tmp_path / "named.csv", 1e3 * places, delimiter=",", header="x_mm,y_mm,z_mm", comments="")
+    np.save(tmp_path / "mm.npy", 1e3 * places)
+    (tmp_path / "mm.json").write_text(json.dumps((1e3 * places).tolist()), "utf-8")
+    for name in ("mm.csv", "mm.npy", "mm.json", "named.csv"):
+        assert midair.Array.from_file(tmp_path / name, unit="mm").positions == pytest.approx(
+            places, abs=1e-15
+        )
+        scene = tmp_path / "scene.toml"
+        points = 'position = [1, 2, 100]\nunit = "mm"\n'
+        scene.write_text(
+            f'[array]\npositions = {{ file = "{name}" }}\nunit = "mm"\n[[points]]\n{points}', "utf-8"
+        )
+        read = midair.Scene.load(scene)
+        assert read.array.positions == pytest.approx(places, abs=1e-15)
+        assert read.points == pytest.approx(np.array([[1e-3, 2e-3, 0.1]]), abs=1e-15)
+    assert midair.Array(1e3 * places, unit="mm").positions == pytest.approx(places, abs=1e-15)
+    for wrong in (
+        lambda: midair.Array(places, unit="inch"),
+        lambda: midair.Array.from_file(tmp_path / "mm.csv", unit="inch"),
+    ):
+        with pytest.raises(midair.SceneError, match='unknown unit "inch": known are m, cm, mm, um'):
+            wrong()
+    with pytest.warns(midair.SceneWarning, match=r'give m \(10 mm are 0.01 m\), or unit="mm"$'):
+        midair.Scene(midair.Array(1e3 * places), [[0, 0, 0.1]])
+    (tmp_path / "boards.json").write_text('[{"origin": [0, 0, 0], "rotation": [1, 0, 0, 0]}]', "utf-8")
+    with pytest.raises(midair.SceneError, match="the file's format states its own"):
+        midair.Array.from_file(tmp_path / "boards.json", unit="mm")

@@ -127,12 +127,42 @@ def test_what_a_function_cannot_have_is_refused_in_one_line() -> None:
         with pytest.raises(midair.SceneError) as refused:
             midair.solve(scene, foci, **keywords)
         assert str(refused.value).startswith(words)
-    for call in (
-        lambda: midair.Solver(scene, foci),
-        lambda: midair.solve_batch(scene.array, [POINTS], solver=foci),
-    ):
-        with pytest.raises(midair.SceneError, match=r"one scene at a time, by midair\.solve$"):
-            call()
+    with pytest.raises(midair.SceneError, match=r"by midair\.solve, or many by midair\.solve_batch$"):
+        midair.Solver(scene, foci)
+    with pytest.raises(midair.SceneError, match=r"pressures is 'greedy': .* a solver goes by keyword"):
+        midair.solve_batch(scene.array, [POINTS], "greedy", seed=1)
+
+
+def test_another_signature_is_refused_with_the_one_that_is_called() -> None:
+    def mine(propagation):
+        return propagation[0]
+
+    for call in (midair.solve, lambda scene, solver: midair.solve_batch(scene, [POINTS], solver=solver)):
+        with pytest.raises(TypeError, match=r"mine: too many .*: a solver is called as solver\(propagation"):
+            call(small(), mine)
+
+
+@pytest.mark.filterwarnings("always::midair.SceneWarning")
+def test_a_drive_that_was_not_scaled_is_reported() -> None:
+    with pytest.warns(midair.SceneWarning, match=r"missed by (99|100).* scale the drive, up to \|q\| = 1"):
+        midair.solve(small(), lambda *given: 1e-4 * foci(*given))
+
+
+@pytest.mark.slow
+def test_a_function_solves_many_scenes() -> None:
+    scene, rng = small(), np.random.default_rng(3)
+    points = POINTS + rng.uniform(-0.01, 0.01, (20, *np.shape(POINTS)))
+    targets = rng.uniform(600, 900, (20, len(POINTS)))
+    batch = midair.solve_batch(scene.array, points, targets, foci, share=0.5)
+    for k, place in enumerate(points):
+        one = midair.solve(midair.Scene(scene.array, place, targets[k]), foci, share=0.5)
+        assert np.array_equal(batch.drives[k], one.drive)
+
+    def broken(*given):
+        raise ZeroDivisionError("a fault of the user")
+
+    with pytest.raises(ZeroDivisionError, match="a fault of the user"):
+        midair.solve_batch(scene.array, points, targets, broken)
 
 
 def test_anything_that_can_be_called_will_do() -> None:

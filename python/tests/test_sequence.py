@@ -6,6 +6,7 @@ import copy
 import itertools
 import json
 import pickle
+import re
 import subprocess
 import sys
 import warnings
@@ -179,7 +180,8 @@ def test_a_stream_yields_a_drive_a_frame(board, ring):
 def test_a_path_above_the_speed_limit_is_reported(board):
     quick = midair.path.line([-0.03, 0, 0.15], [0.03, 0, 0.15], speed=10.0)
     with pytest.warns(
-        midair.SceneWarning, match=r"10 m/s needs .* rad a frame, 0\.196 allowed.*kHz or pi/\d+ would do"
+        midair.SceneWarning,
+        match=r"10 m/s needs .* rad a frame, 0\.196 allowed.*kHz or change = pi/\d+ would do",
     ):
         found = midair.sequence(board, quick, rate=RATE)
     assert found.metrics.largest_change <= np.pi / 16 + 1e-6
@@ -209,11 +211,13 @@ def test_the_speed_limit_is_that_of_whole_phase_steps():
     coarse = midair.Array.grid(8, 8, 10e-3, quantization={"phases": 40})
     line = midair.path.line([-0.01, 0, 0.15], [0.01, 0, 0.15], speed=12.0)
     with pytest.warns(
-        midair.SceneWarning, match=r"0\.157 allowed in whole steps of 40 phases: .* or pi/10 would"
+        midair.SceneWarning, match=r"0\.157 allowed in whole steps of 40 phases: .* or change = pi/10 would"
     ):
         midair.sequence(coarse, line, rate=RATE)
     jump = midair.path.line([-0.06, 0, 0.15], [0.06, 0, 0.15], speed=30.0)
-    with pytest.warns(midair.SceneWarning, match=r"needs .* allowed: the level falls; [\d.]+ kHz would do"):
+    with pytest.warns(
+        midair.SceneWarning, match=r"needs .* allowed: the level falls; rate = [\d.]+ kHz would do"
+    ):
         midair.sequence(midair.Array.grid(8, 8, 10e-3), jump, rate=1e3)
 
 
@@ -479,3 +483,17 @@ def test_a_file_that_was_resumed_closed_is_not_the_open_one(tmp_path: Path) -> N
     assert midair.sequence(array, ring, rate=RATE, resume=file).closed
     with pytest.raises(midair.SceneError, match=r"a\.npz"):
         midair.sequence(array, ring, rate=RATE, closed=False, resume=file)
+
+
+def test_a_stream_warns_once_of_points_that_are_too_fast() -> None:
+    array = midair.Array.preset("autd3")
+    places = [[[0, 0, 0.15]], [[1e-4, 0, 0.15]], [[0.0051, 0, 0.15]], [[0.0101, 0, 0.15]]]
+    with pytest.warns(midair.SceneWarning) as found:
+        list(midair.stream(array, places, rate=1e3))
+    (line,) = (str(each.message) for each in found)
+    words = r"a point moves by 5 mm in a frame, which needs phase changes of 1\.\d+ rad, 0\.196 allowed: "
+    assert re.match(words, line)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        list(midair.stream(array, places[:2], rate=1e3))
+        list(midair.stream(array, places, rate=1e3, change=np.pi))

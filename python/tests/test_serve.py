@@ -385,7 +385,9 @@ def test_a_warning_goes_to_the_program_that_caused_it(server: PointServer) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("board", "change"), [("sonicsurface", None), ("autd3", None)])
+@pytest.mark.parametrize(
+    ("board", "change"), [("sonicsurface", None), ("autd3", None), ("sonicsurface", 0.2)]
+)
 def test_a_focus_follows_a_hand_or_a_warning_says_why_not(board: str, change: float | None) -> None:
     with (
         midair.connect(f"{board}:loop", hold=SILENCE) as link,

@@ -79,6 +79,20 @@ def test_a_circle_is_round_flat_even_and_not_doubled(normal: tuple[float, ...]) 
         assert points[0] == pytest.approx([0.01 + radius, -0.02, 0.15])
 
 
+def test_a_circle_has_the_points_that_are_counted() -> None:
+    for count in (1, 2, 3, 8, 100):
+        points = shape.circle([0, 0, 0.1], 0.02, count=count)
+        angles = 2 * np.pi * np.arange(count) / count
+        expected = np.stack([0.02 * np.cos(angles), 0.02 * np.sin(angles), 0.1 + 0 * angles], axis=1)
+        assert points == pytest.approx(expected, abs=1e-12)
+    for wrong, words in (
+        ({"count": 0}, "count is 0: give 1 to"),
+        ({"count": 4, "step": 0.01}, "step is given, too"),
+    ):
+        with pytest.raises(midair.SceneError, match=words):
+            shape.circle([0, 0, 0.1], 0.02, **wrong)
+
+
 def test_a_polyline_is_even_along_its_way() -> None:
     vertices = np.array([[0, 0, 0.1], [0.03, 0, 0.1], [0.03, 0.02, 0.1], [0, 0.03, 0.11]])
     for closed in (False, True):

@@ -26,6 +26,8 @@ pub struct Columns<'a> {
     pub units: &'a str,
     /// A correct row, for error messages.
     pub example: &'a str,
+    /// The unit of columns x, y and z whose names have none: m, cm, mm or um.
+    pub length: &'a str,
 }
 
 /// The numbers of a file; the columns are in the order of the chosen list of names.
@@ -52,12 +54,14 @@ pub struct Table {
 /// ```
 /// use midair::files::{Columns, read_table};
 ///
-/// let columns = Columns { choices: &[&["x", "y", "z"]], optional: &[], units: "in metres", example: "0.01,0.0,0.0" };
-/// let table = read_table(b"z;x;y\n0.1;0.0;0.2", "bowl.csv", columns)?;
+/// let (choices, example): (&[&[_]], _) = (&[&["x", "y", "z"]], "0.01,0.0,0.0");
+/// let columns = Columns { choices, optional: &[], units: "in metres", example, length: "mm" };
+/// let table = read_table(b"z (m);x;y\n0.1;0.0;200", "bowl.csv", columns)?;
 /// assert_eq!(table.rows, [[0.0, 0.2, 0.1]]);
 /// # Ok::<(), midair::Error>(())
 /// ```
 pub fn read_table(bytes: &[u8], name: &str, columns: Columns<'_>) -> Result<Table> {
+    length(columns.length)?;
     let none = |value: &str| {
         let (row, units) = (columns.choices[0].join(","), columns.units);
         let cure = format!("give rows {row} {units}, for example {}", columns.example);
@@ -167,6 +171,11 @@ struct Column<'a> {
 }
 
 impl<'a> Columns<'a> {
+    /// The size in SI of the unit of a column whose name states none.
+    fn own(&self, name: &str) -> f64 {
+        if UNITS[0].0.contains(&name) { length(self.length).unwrap_or(1.0) } else { 1.0 }
+    }
+
     fn or(&self) -> String {
         self.choices.iter().map(|names| names.join(",")).collect::<Vec<_>>().join(" or ")
     }
@@ -188,6 +197,7 @@ impl<'a> Columns<'a> {
         Some(chosen.map(|chosen| {
             for row in &mut rows {
                 row.resize(chosen.len(), f64::NAN);
+                row.iter_mut().zip(&chosen).for_each(|(number, column)| *number *= column.unit);
             }
             Table { lines: (1..=rows.len()).collect(), rows }
         }))
@@ -212,14 +222,14 @@ impl<'a> Columns<'a> {
             return Err(unreadable("", &format!("{count} columns"), format!("give {} {}", self.or(), self.units)));
         };
         let all = names.iter().chain(self.optional).enumerate();
-        Ok(all.map(|(at, &name)| Column { name, at: (at < count).then_some(at), unit: 1.0 }).collect())
+        Ok(all.map(|(at, &name)| Column { name, at: (at < count).then_some(at), unit: self.own(name) }).collect())
     }
 
     /// The columns of a table whose first row is `cells`, a row of names.
     fn named(&self, cells: &[&str]) -> Result<Vec<Column<'a>>> {
         let places = |name: &str| {
             let each = cells.iter().enumerate();
-            let all: Vec<_> = each.filter_map(|(at, cell)| Some((at, unit(cell, name)?))).collect();
+            let all: Vec<_> = each.filter_map(|(at, cell)| Some((at, unit(cell, name, self.own(name))?))).collect();
             // Beside x, a column such as x_error is another one.
             let known = all.iter().any(|(_, unit)| unit.is_ok());
             all.into_iter().filter(|(_, unit)| unit.is_ok() || !known).collect::<Vec<_>>()
@@ -258,9 +268,19 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// The unit in SI of a cell that names a column, as `x`, `X (mm)`, `x_mm` or `x in mm`; `None` if it names another column,
-/// an error if its unit is unknown.
-fn unit(cell: &str, name: &str) -> Option<Result<f64, ()>> {
+/// The size in m of a unit of length.
+///
+/// # Errors
+/// An unknown unit.
+pub fn length(unit: &str) -> Result<f64> {
+    let (_, units) = UNITS[0];
+    let found = units.iter().find(|(name, _)| *name == unit);
+    found.map(|(_, size)| *size).ok_or_else(|| Error::unknown("unit", unit, units[..4].iter().map(|(name, _)| *name)))
+}
+
+/// The unit in SI of a cell that names a column, as `x`, `X (mm)`, `x_mm` or `x in mm`, its `own` if it states none; `None` if it
+/// names another column, an error if its unit is unknown.
+fn unit(cell: &str, name: &str, own: f64) -> Option<Result<f64, ()>> {
     let (start, rest) = cell.split_at_checked(name.len())?;
     if !start.eq_ignore_ascii_case(name) || !(rest.is_empty() || rest.starts_with([' ', '(', '[', '_', '/'])) {
         return None;
@@ -268,7 +288,7 @@ fn unit(cell: &str, name: &str) -> Option<Result<f64, ()>> {
     let bare = rest.trim_matches([' ', '(', ')', '[', ']', '_', '/', '.']).to_lowercase();
     let bare = bare.strip_prefix("in ").unwrap_or(&bare);
     if bare.is_empty() {
-        return Some(Ok(1.0));
+        return Some(Ok(own));
     }
     let mut units = UNITS.iter().filter(|(names, _)| names.contains(&name)).flat_map(|(_, units)| *units);
     Some(units.find(|(unit, _)| *unit == bare).map(|(_, size)| *size).ok_or(()))

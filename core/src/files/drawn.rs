@@ -4,7 +4,7 @@
 
 use crate::files::item::{Item, Kind, Read, Table, of_kind};
 use crate::files::{Node, write};
-use crate::points::{Curve, STEP};
+use crate::points::{Curve, MOST, STEP};
 use crate::prelude::*;
 use crate::scene::{Array, Request};
 
@@ -104,7 +104,7 @@ pub(super) fn one(name: &str, item: &Item<'_>, draw: &mut Draw<'_>) -> Read<Draw
 
 const KINDS: [Kind; 5] = [
     ("line", &["start", "end"], &[]),
-    ("circle", &["center", "radius"], &["normal"]),
+    ("circle", &["center", "radius"], &["normal", "count"]),
     ("polyline", &["points"], &["closed"]),
     ("text", &["string", "height", "z"], &["font"]),
     ("svg", &["file", "size", "z"], &[]),
@@ -148,8 +148,18 @@ pub(super) fn shape(item: &Item<'_>) -> Read<Option<Made>> {
         }
         _ => return Ok(None),
     };
-    let step = table.read("step", Item::real)?.unwrap_or(STEP);
-    let points = curve.and_then(|curve| curve.points(step)).map_err(|error| item.reported(error))?;
+    let curve = curve.map_err(|error| item.reported(error))?;
+    let step = match (table.read("step", Item::real)?, table.read("count", Item::count)?) {
+        (Some(_), Some(count)) => {
+            return Err(item.reported(Error::conflict("count", count, "step is given, too: give one of them")));
+        }
+        (None, Some(count)) if count == 0 || count > MOST => {
+            return Err(item.reported(Error::invalid("count", count, format!("give 1 to {MOST}"))));
+        }
+        (None, Some(count)) => curve.length() / count as f64,
+        (step, None) => step.unwrap_or(STEP),
+    };
+    let points = curve.points(step).map_err(|error| item.reported(error))?;
     let all = |key: &str| table.read(key, |value| Ok(vec![value.least_zero()?; points.len()]));
     let request = Request { pressures: all("pressure")?, phases: None, weights: all("weight")? };
     Ok(Some((points, request)))

@@ -14,6 +14,7 @@ const COLUMNS: Columns<'_> = Columns {
     optional: &[],
     units: "with phases in rad",
     example: "0,1.0,0.0",
+    length: "m",
 };
 
 /// Returns a drive (N,) as CSV. Without `positions` (N,) in m, the columns x, y and z are left out.

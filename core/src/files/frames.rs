@@ -13,6 +13,7 @@ const COLUMNS: Columns<'_> = Columns {
     optional: &[],
     units: "with x, y, z in metres",
     example: "0,0,0.01,0.0,0.15",
+    length: "m",
 };
 
 /// Largest size of a file in bytes.

@@ -21,7 +21,7 @@ mod tables;
 mod toml;
 mod write;
 
-pub use csv::{Columns, Table, read_table};
+pub use csv::{Columns, Table, length, read_table};
 pub use drawn::{Draw, Drawing, read_shape};
 pub use drive::{read_drive, write_drive};
 pub use motion::Motion;

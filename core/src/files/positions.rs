@@ -17,6 +17,7 @@ pub const COLUMNS: Columns<'_> = Columns {
     optional: &[],
     units: "in metres",
     example: "0.01,0.0,0.0",
+    length: "m",
 };
 
 /// The columns of a file of control points.
@@ -25,12 +26,13 @@ const POINTS: Columns<'_> = Columns {
     optional: &["pressure", "phase", "weight"],
     units: "in metres, and if you like pressure, phase, weight",
     example: "0.01,0.0,0.15,500.0",
+    length: "m",
 };
 
-/// Reads the places of a file of points, and the pressure, phase and weight of each, if they are there.
-pub(super) fn points(name: &str, source: Source<'_>) -> Result<Vec<Point>> {
+/// Reads the places of a file of points in a unit, and the pressure, phase and weight of each, if they are there.
+pub(super) fn points(name: &str, length: &str, source: Source<'_>) -> Result<Vec<Point>> {
     let (bytes, place) = source.beside("points.file", name, "a table of x, y, z in metres", MOST_BYTES)?;
-    let table = csv::read_table(&bytes, &place, POINTS)?;
+    let table = csv::read_table(&bytes, &place, Columns { length, ..POINTS })?;
     let some = |x: f64| (!x.is_nan()).then_some(x);
     let each = table.rows.iter().map(|row| ([row[0], row[1], row[2]], [some(row[3]), some(row[4]), some(row[5])]));
     Ok(each.collect())
@@ -45,10 +47,10 @@ pub(super) fn is_table(name: &str) -> bool {
     [".csv", ".txt", ".tsv", ".dat", ".npy"].iter().any(|ending| name.ends_with(ending)) || !name.contains('.')
 }
 
-/// Reads the file with this name from the document's folder.
-pub(super) fn read(name: &str, source: Source<'_>) -> Result<Positions> {
+/// Reads the file with this name from the document's folder; its numbers are in a unit.
+pub(super) fn read(name: &str, length: &str, source: Source<'_>) -> Result<Positions> {
     let (bytes, place) = source.beside("array.positions.file", name, "a table of x, y, z in metres", MOST_BYTES)?;
-    positions(&bytes, &place)
+    positions(&bytes, &place, length)
 }
 
 /// Reads an array from the text of a file; errors name the file as `name`.
@@ -56,12 +58,12 @@ pub(super) fn read(name: &str, source: Source<'_>) -> Result<Positions> {
 /// # Errors
 /// The errors of [`crate::files::read_table`] and of [`Array::new`].
 pub fn read_array(bytes: &[u8], name: &str) -> Result<Array> {
-    let Positions { positions, normals } = positions(bytes, name)?;
+    let Positions { positions, normals } = positions(bytes, name, "m")?;
     Array::new(positions, normals).map_err(|error| csv::fault(name, None, error))
 }
 
-fn positions(bytes: &[u8], name: &str) -> Result<Positions> {
-    let table = csv::read_table(bytes, name, COLUMNS)?;
+fn positions(bytes: &[u8], name: &str, length: &str) -> Result<Positions> {
+    let table = csv::read_table(bytes, name, Columns { length, ..COLUMNS })?;
     let vectors = |from: usize| table.rows.iter().map(|row| [row[from], row[from + 1], row[from + 2]]).collect();
     let turned = table.rows[0].len() == 6;
     Ok(Positions { positions: vectors(0), normals: turned.then(|| vectors(3)) })

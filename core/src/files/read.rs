@@ -1,6 +1,7 @@
 //! Conversion of the tables of a scene file (`[medium]`, `[array]`, `[[points]]`, shapes, `[[obstacles]]`, `[solver]`, `[plane]`) to a scene.
 
 use crate::device::quantization::Quantization;
+use crate::files::csv;
 use crate::files::drawn::{self, Drawn, drawn, mesh};
 use crate::files::item::{Fault, Item, Read, Table};
 use crate::files::positions::{self, Point};
@@ -54,13 +55,23 @@ fn listed(item: &Item<'_>, source: Source<'_>) -> Read<Vec<Point>> {
     let table = item.table()?;
     let real = |key: &str| table.read(key, Item::real);
     let own = [real("pressure")?, real("phase")?, real("weight")?];
+    let unit = unit(table.get("unit"))?;
     let Some(file) = table.get("file") else {
-        return Ok(vec![(table.need("position")?.numbers()?, own)]);
+        let place: [f64; 3] = table.need("position")?.numbers()?;
+        return Ok(vec![(place.map(|x| x * unit.1), own)]);
     };
     refuse_if!(table.get("position").is_some(), file.refused("a position is given, too: give one of them"));
-    let points = positions::points(file.text()?, source).map_err(|error| Fault::at(file.path.as_str(), error))?;
+    let points =
+        positions::points(file.text()?, unit.0, source).map_err(|error| Fault::at(file.path.as_str(), error))?;
     let given = |(place, numbers): Point| (place, [0, 1, 2].map(|k| numbers[k].or(own[k])));
     Ok(points.into_iter().map(given).collect())
+}
+
+/// The unit of a table's positions, by default m, and its size in m.
+fn unit(item: Option<Item<'_>>) -> Read<(&str, f64)> {
+    let Some(item) = item else { return Ok(("m", 1.0)) };
+    let name = item.text()?;
+    Ok((name, csv::length(name).map_err(|error| Fault::at(item.path.as_str(), error))?))
 }
 
 /// Joins the listed points and the drawn ones. Also returns, for each drawn table, the index of its first point and its path.
@@ -178,9 +189,9 @@ fn array(table: &Table<'_>, source: Source<'_>, draw: &mut Draw<'_>) -> Read<Arr
         let cure = "give exactly one of grid, preset, positions and part";
         return Err(Error::invalid("array", format!("described {ways} times"), cure).into());
     }
-    for (key, with) in [("tiles", "preset"), ("normals", "positions")] {
+    for (key, with) in [("tiles", "preset"), ("normals", "positions"), ("unit", "positions")] {
         if has(key) && !has(with) {
-            let cure = "tiles go with a preset, normals with positions";
+            let cure = "tiles go with a preset, normals and unit with positions";
             return Err(Error::conflict(format!("array.{key}"), "given", cure).into());
         }
     }
@@ -245,17 +256,23 @@ fn placed(table: &Table<'_>, source: Source<'_>, draw: &mut Draw<'_>) -> Read<Ar
     let item = table.need("positions")?;
     let normals = table.read("normals", Item::vectors)?;
     if !matches!(item.node, Node::Table(_)) {
-        return Ok(Array::new(item.vectors()?, normals)?);
+        let (places, (_, unit)): (Vec<[f64; 3]>, _) = (item.vectors()?, unit(table.get("unit"))?);
+        return Ok(Array::new(places.into_iter().map(|place| place.map(|x| x * unit)).collect(), normals)?);
     }
-    let name = item.table()?.need("file")?;
+    let file = item.table()?;
+    let (name, own) = (file.need("file")?, file.get("unit").or_else(|| table.get("unit")));
     if !positions::is_table(name.text()?) {
-        return match drawn::one("array.positions", &item, draw)? {
+        let keys = [("file", Some(&name)), ("unit", own.as_ref())];
+        let keys = keys.into_iter().filter_map(|(key, item)| Some((key.into(), item?.node.clone())));
+        let keys = Node::Table(keys.collect());
+        return match drawn::one("array.positions", &Item { path: item.path.clone(), node: &keys }, draw)? {
             Drawing::Array(array) if normals.is_none() => Ok(array),
             Drawing::Array(_) => Err(item.refused("the file has normals: leave array.normals out")),
             _ => Err(item.refused("it is drawn as points: an array is wanted")),
         };
     }
-    let file = positions::read(name.text()?, source).map_err(|error| Fault::at(name.path.as_str(), error))?;
+    let file =
+        positions::read(name.text()?, unit(own)?.0, source).map_err(|error| Fault::at(name.path.as_str(), error))?;
     if normals.is_some() && file.normals.is_some() {
         let cure = "the file has columns nx, ny, nz: leave one of them out";
         return Err(Error::invalid("array.normals", "given twice", cure).into());

@@ -62,6 +62,8 @@ lists! {
         tiles, such as "[2, 2]";
         /// Position x, y, z of each transducer in m; or a table that names a CSV file.
         positions, such as "[[0.0, 0.0, 0.0], [0.01, 0.0, 0.0]]";
+        /// Unit of `positions`: m, cm, mm or um. Columns of a file whose names state a unit keep it.
+        unit, such as r#""mm""#;
         /// Direction that each transducer of `positions` faces; default +z.
         normals, such as "[[0.0, 0.0, 1.0], [0.0, 0.0, 1.0]]";
         /// Arrays that are joined into one, such as the boards of a rig: tables with the keys of `array`.
@@ -84,6 +86,8 @@ lists! {
         /// Table, relative to the scene file: for each transducer a row x, y, z or x, y, z, nx, ny, nz in m; in Python any file
         /// that Array.from_file reads.
         file, such as r#""bowl.csv""#;
+        /// Unit of the file's positions, as in `array`.
+        unit, such as r#""mm""#;
     }
     "array.quantization" {
         /// Number of evenly spaced phases, 2 to 65536.
@@ -96,6 +100,8 @@ lists! {
     "points[]" {
         /// Position x, y, z in m.
         position, such as "[0.0, 0.0, 0.15]";
+        /// Unit of the position, or of the file: m, cm, mm or um.
+        unit, such as r#""mm""#;
         /// Table of points, relative to the scene file, instead of a position: x, y, z in m, and if you like pressure, phase,
         /// weight.
         file, such as r#""points.csv""#;
@@ -137,6 +143,8 @@ lists! {
         z, such as "0.15";
         /// Distance between neighbouring points in m; default 2.125e-3.
         step, such as "0.002";
+        /// Number of points on a circle, instead of a step.
+        count, such as "12";
         /// Requested pressure of each point in Pa.
         pressure, such as "500.0";
         /// Weight of each point; default 1.

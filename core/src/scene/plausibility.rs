@@ -179,6 +179,8 @@ fn extent(array: &Array, medium: Medium) -> Option<Notice> {
                 _ => ("array.positions", format!("{} m and more from one to the next", short(length))),
             };
             let cure = if length == 0.0 { "leave one out".into() } else { metres(length, usual) };
+            let mm = item == "array.positions" && cure.contains(" mm are ");
+            let cure = if mm { cure + ", or unit=\"mm\"" } else { cure };
             doubt(item, value, format!("{what} of {} m: {cure}", short(wavelength)))
         };
         let neighbours = Neighbours::of(places);

@@ -49,7 +49,7 @@ pub(super) struct Tally([(usize, Option<(usize, Remark)>); KINDS]);
 
 impl Tally {
     /// Counts the remarks about a problem.
-    pub(super) fn add(&mut self, index: usize, remarks: [Option<Remark>; KINDS]) {
+    pub(super) fn add(&mut self, index: usize, remarks: &[Option<Remark>; KINDS]) {
         self.merge(&Self(remarks.map(|remark| (usize::from(remark.is_some()), remark.map(|remark| (index, remark))))));
     }
 

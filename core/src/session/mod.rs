@@ -21,7 +21,7 @@ use crate::session::batch::{Outcome, Tally};
 use crate::session::parts::{Part, parts};
 use crate::session::worker::{Requests, Task, Transducers, Worker};
 use crate::solvers::prelude::*;
-use crate::solvers::remark::KINDS;
+use crate::solvers::remark::{FAST, KINDS, fast};
 use crate::solvers::solve::solve_after;
 use crate::solvers::{DEFAULT, Last, Remark, configure, remarks};
 
@@ -54,6 +54,9 @@ pub struct Session {
     last: Last,
     /// For each kind of remark, whether it has been made.
     reported: [bool; KINDS],
+    /// The points of the last frame, for solvers with a bound, and the first remark about points that are too fast for it.
+    before: Vec<[f64; 3]>,
+    fast: Option<Remark>,
     /// Whether the session has searched for a proof that no drive gives all targets together.
     looked: bool,
     /// The region in which points are plausible; `None` after the first warning about a point outside of it.
@@ -109,6 +112,8 @@ impl Session {
             solution: None,
             last: Last::default(),
             reported: [false; KINDS],
+            before: Vec::new(),
+            fast: None,
             looked: false,
             vicinity,
             compared,
@@ -131,6 +136,12 @@ impl Session {
         self.task.read(problems, 0, ask)?;
         let problem = &mut problems[0];
         problem.measure(control)?;
+        if let Some(bound) = self.task.solver.bound().filter(|&bound| bound < PI) {
+            if !self.last.is_empty() && self.before.len() == ask.points.len() {
+                self.fast = self.fast.or_else(|| fast(&self.task.setup, bound, &self.before, &ask.points));
+            }
+            self.before.clone_from(&ask.points);
+        }
         let last = Some(&mut self.last);
         let solution = solve_after(problem, &*self.task.solver, self.task.balance, last, work, control)?;
         Ok(self.solution.insert(solution))
@@ -254,6 +265,7 @@ impl Session {
             beyond = problem.beyond(&mut Control::none()).ok().flatten();
         }
         let mut remarks = remarks(problem, &**solver, *balance, Some(&self.last), solution, beyond);
+        remarks[FAST] = self.fast.take();
         self.looked |= first;
         for (reported, remark) in self.reported.iter_mut().zip(&mut remarks) {
             *remark = remark.filter(|_| !*reported);

@@ -9,6 +9,7 @@ use crate::scene::{Aim, Bead, Choice, Options, Request, Scene, Signature, Value,
 use crate::sequence::horizon::PHASES;
 use crate::session::{Frames, Session, SolveRequest};
 use crate::solvers::prelude::*;
+use crate::solvers::remark::{self, change_needed};
 use crate::solvers::solve::solve;
 use crate::solvers::{Remark, registry};
 
@@ -291,9 +292,7 @@ impl Moving {
 
     /// Warns of points that move faster than a focus can follow within the bound (docs/motion.md).
     ///
-    /// On a board's grid the bound is a whole number of phase steps; if none fits, the solver reports that. Let a focus move by d
-    /// along e between two frames, and let `u_i` be the direction from transducer i to the focus. The phase of transducer i changes
-    /// by k d (`u_i` . e). A common phase of all transducers is free, so half the spread of k d (`u_i` . e) is needed.
+    /// On a board's grid the bound is a whole number of phase steps; if none fits, the solver reports that.
     fn too_fast(&self) -> Option<Notice> {
         let entry = self.scene.solver.as_ref().and_then(|choice| registry::find(&choice.name).ok())?;
         if self.change > PI || !entry.options().iter().any(|option| option.name == "change") {
@@ -316,32 +315,26 @@ impl Moving {
         }
         let faster = ceil(self.rate * needed / allowed / 100.0) / 10.0;
         let wanted = step.map_or(needed, |step| step * ceil(needed / step));
-        let wider = if wanted <= PI { format!(" or pi/{}", (PI / wanted) as u32) } else { String::new() };
+        let wider = if wanted <= PI { format!(" or change = pi/{}", (PI / wanted) as u32) } else { String::new() };
         let whole = phases.filter(|_| allowed < self.change * (1.0 - 1e-9));
         let whole = whole.map_or_else(String::new, |phases| format!(" in whole steps of {phases} phases"));
         let value = format!("{needs}, {} allowed{whole}", figures(allowed, 3));
-        let cure = format!("the level falls; {} kHz{wider} would do", figures(faster, 6));
+        let cure = format!("the level falls; rate = {} kHz{wider} would do", figures(faster, 6));
         Some(Notice::new(ErrorCode::Doubtful, item, value, cure).verb("needs"))
     }
 
     /// Returns the largest bound in rad that any point needs, over some frames, and the speed of this point in m/s.
     fn needed(&self) -> (f64, f64) {
-        let (frames, count, medium) = (self.frames(), self.count(), self.scene.medium());
-        let wavenumber = 2.0 * PI / medium.wavelength();
+        let (frames, count, wavelength) = (self.frames(), self.count(), self.scene.medium().wavelength());
         let steps = (usize::from(!self.closed)..frames).step_by(((frames - 1) / LOOKED).max(1));
         let (mut most, mut speed) = (0.0, 0.0);
         for (t, before) in steps.map(|t| (t, t.checked_sub(1).unwrap_or(frames - 1))) {
             let both = (0..count).map(|j| [t * count + j, before * count + j]);
             for [now, before] in both.filter(|both| both.iter().all(|&k| self.targets[k] > 0.0)) {
-                let moved = Vec3(self.points[now]) - Vec3(self.points[before]);
-                let along = self.scene.array().positions().iter().map(|&place| {
-                    let ray = Vec3(self.points[now]) - Vec3(place);
-                    ray.dot(moved) / ray.norm().max(1e-9)
-                });
-                let least_most = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);
-                let spread = wavenumber * (least_most[1] - least_most[0]) / 2.0;
-                if spread > most {
-                    (most, speed) = (spread, moved.norm() * self.rate);
+                let [from, to] = [self.points[before], self.points[now]];
+                let needed = change_needed(self.scene.array().positions(), wavelength, from, to);
+                if needed > most {
+                    (most, speed) = (needed, (Vec3(to) - Vec3(from)).norm() * self.rate);
                 }
             }
         }
@@ -518,6 +511,8 @@ impl Session {
         if first == 0 {
             self.last.clear();
         }
+        // `Moving::doubts` reports it for the whole motion.
+        self.reported[remark::FAST] = true;
         // The acceleration of stiff traps is that of the frames around. Outside an open sequence the points stand still.
         let stiff = moving.stiff && self.task.solver.remembers();
         let margin = if stiff { look(moving.rate) } else { 0 };

@@ -169,7 +169,7 @@ impl Worker {
         let mut keep = |k: usize, solution: &Solution| {
             let problem = &problems[k];
             let remarks = remarks(problem, solver, balance, None, solution, problem.beyond_alone());
-            tally.add(part.first + start + k, remarks);
+            tally.add(part.first + start + k, &remarks);
             part.keep(start + k, solution, Outcome::of(solution, &remarks));
         };
         let solutions = solve_interleaved(problems, solver, balance, work);

@@ -4,8 +4,8 @@
 //! allows no change, and a focus so loud that harmonics matter.
 
 use crate::device::quantization::steps_within;
-use crate::problem::Beyond;
-use crate::scene::Aim;
+use crate::problem::{Beyond, Setup};
+use crate::scene::{Aim, figures};
 use crate::solvers::even_field::quiet::silenceable;
 use crate::solvers::prelude::*;
 use crate::solvers::{Last, SOLVERS};
@@ -29,6 +29,15 @@ pub enum Remark {
         change: f64,
         /// The number of the board's phases.
         phases: u32,
+    },
+    /// A point moves so far from one frame to the next that its focus cannot follow within the bound.
+    Fast {
+        /// How far it moves, in m.
+        moved: f64,
+        /// The change of a phase that its focus needs, in rad.
+        needed: f64,
+        /// The largest change of a phase, in rad.
+        change: f64,
     },
     /// Quiet points leak more than the solver's tolerance.
     Leak {
@@ -63,7 +72,9 @@ impl Remark {
             Self::Beyond(beyond) => beyond.notice(),
             Self::Missed(error) => {
                 let value = format!("{:.1} % of their root mean square", 100.0 * error);
-                Notice::new(ErrorCode::Missed, "the pressures", value, "ask for less, or for fewer points")
+                let faint = *error > 1.0 - FAINT;
+                let cure = if faint { "scale the drive, up to |q| = 1" } else { "ask for less, or for fewer points" };
+                Notice::new(ErrorCode::Missed, "the pressures", value, cure)
                     .verb("are missed by")
                     .other(format_args!("{:.1} %", 100.0 * error))
             }
@@ -104,6 +115,13 @@ impl Remark {
                 );
                 Notice::new(ErrorCode::Still, "change", value, cure).other(format_args!("{step:.3} rad"))
             }
+            Self::Fast { moved, needed, change } => {
+                let [moved, needed, change] = [1e3 * moved, *needed, *change].map(|number| figures(number, 3));
+                let value =
+                    format!("{moved} mm in a frame, which needs phase changes of {needed} rad, {change} allowed");
+                let cure = "the level falls; move slower, send points more often, or allow a larger change";
+                Notice::new(ErrorCode::Doubtful, "a point", value, cure).verb("moves by")
+            }
             Self::Scaled(scale) => {
                 let cure = format!("scale all drives by {scale:.4} by supply or modulation (solution.scale)");
                 Notice::new(ErrorCode::Scaled, "the device", "no such amplitude", cure)
@@ -115,7 +133,13 @@ impl Remark {
 }
 
 /// The number of kinds of remarks.
-pub(crate) const KINDS: usize = 8;
+pub(crate) const KINDS: usize = 9;
+
+/// The number of [`Remark::Fast`], which a session adds itself.
+pub(crate) const FAST: usize = KINDS - 1;
+
+/// The level below which a solution counts as a mistake of its method, as by a drive that was not scaled.
+const FAINT: f64 = 0.01;
 
 /// The share of the second harmonic from which on there is a warning: that of about 6 kPa.
 const HARMONIC: f64 = 0.25;
@@ -134,6 +158,7 @@ impl Remark {
             Self::Beyond(Beyond::Together { most: part }) | Self::Weak(part) | Self::Scaled(part) => 1.0 / part,
             Self::Leak { leak, quiet, .. } => leak / quiet,
             Self::Harmonic { share, .. } => share,
+            Self::Fast { needed, change, .. } => needed / change,
             Self::PhasesUnused | Self::Still { .. } => 1.0,
         }
     }
@@ -165,6 +190,10 @@ pub fn remarks(
     beyond: Option<Beyond>,
 ) -> [Option<Remark>; KINDS] {
     let missed = problem.missed(solver.meets_targets(), solver.quiet(), solution);
+    let sounds = problem.active_targets_in_pascals().any(|target| target > 0.0) && solution.status != Status::Stopped;
+    let level = solution.metrics().level;
+    let meant = problem.aim() == Aim::Target || !problem.asks_pressures();
+    let missed = missed.or((sounds && meant && beyond.is_none() && level < FAINT).then_some(1.0 - level));
     let weak = problem.is_weak() && !balance && !solver.finds_level() && solver.plays_at_full();
     let unused = problem.target_phases().is_some() && !solver.uses_phases();
     let follows = problem.start_drive().is_some() || last.is_some_and(|last| !last.is_empty());
@@ -178,7 +207,31 @@ pub fn remarks(
         if follows { still(problem, solver) } else { None },
         (scale < 1.0).then_some(Remark::Scaled(scale)),
         harmonic(problem, solution),
+        None,
     ]
+}
+
+/// Returns the change of a phase in rad that a focus needs to move between two places.
+///
+/// Let it move by d along e, and let `u_i` be the direction from transducer i to it. The phase of transducer i changes by
+/// k d (`u_i` . e). A common phase of all transducers is free, so half the spread of k d (`u_i` . e) is needed.
+pub(crate) fn change_needed(positions: &[[f64; 3]], wavelength: f64, from: [f64; 3], to: [f64; 3]) -> f64 {
+    let moved = Vec3(to) - Vec3(from);
+    let along = positions.iter().map(|&place| {
+        let ray = Vec3(to) - Vec3(place);
+        ray.dot(moved) / ray.norm().max(1e-9)
+    });
+    let [least, most] = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);
+    PI * (most - least) / wavelength
+}
+
+/// Warns of a point that moves too far between two frames for a bound in rad.
+pub(crate) fn fast(setup: &Setup, change: f64, before: &[[f64; 3]], now: &[[f64; 3]]) -> Option<Remark> {
+    let (positions, wavelength) = (setup.positions.as_deref()?, setup.medium.wavelength());
+    let each = before.iter().zip(now).map(|(&from, &to)| (change_needed(positions, wavelength, from, to), from, to));
+    let (needed, from, to) = each.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let moved = (Vec3(to) - Vec3(from)).norm();
+    (needed > change * (1.0 + 1e-9) && change > 0.0).then_some(Remark::Fast { moved, needed, change })
 }
 
 /// Warns of quiet points that leak much more than the solver's tolerance.

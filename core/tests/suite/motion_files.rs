@@ -236,7 +236,8 @@ fn points_and_traps_that_are_too_fast_are_reported() {
     };
     let line =
         |speed: f64| json!([{"kind": "line", "start": [-0.01, 0, 0.12], "end": [0.01, 0, 0.12], "speed": speed}]);
-    let text = "2 m/s needs 0.21 rad a frame, 0.196 allowed: the level falls; 2.2 kHz or pi/14 would do";
+    let text =
+        "2 m/s needs 0.21 rad a frame, 0.196 allowed: the level falls; rate = 2.2 kHz or change = pi/14 would do";
     assert_eq!(warned(line(2.0), "max", false), [text]);
     assert_eq!(warned(line(1.0), "max", false), [""; 0]);
     let circle = json!([{"kind": "circle", "center": [0, 0, 0.12], "radius": 0.02, "frequency": 30}]);

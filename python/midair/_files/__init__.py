@@ -155,13 +155,15 @@ ENDINGS = (
 )
 
 
-def read_array(path: str | PathLike[str], **parts: Unpack[_Parts]) -> Array:
+def read_array(path: str | PathLike[str], *, unit: str | None = None, **parts: Unpack[_Parts]) -> Array:
     """Read an array from a file; a keyword replaces the values of the file or its format.
 
     Parameters
     ----------
     path : str or path
         File to read; its ending chooses the format, below.
+    unit : {"m", "cm", "mm", "um"}, optional
+        Unit of a table's positions; by default m. Columns whose names state a unit keep it.
     **parts
         Keywords of `midair.Array`, such as mask and pins.
 
@@ -189,7 +191,7 @@ def read_array(path: str | PathLike[str], **parts: Unpack[_Parts]) -> Array:
     medium have air of 25 degrees C. A flat board of OpenMPD, Ultraino or HandyBeam lies in z = 0 and radiates
     to +z. Phase corrections are no part of an array: a board applies them when it plays.
     """
-    found = _layout(path)
+    found = _layout(path, unit)
     given: dict[str, Any] = {name: value for name, value in parts.items() if value is not None}
     own = {name: getattr(found, name, None) for name in array_parts()}
     try:
@@ -202,19 +204,22 @@ def read_array(path: str | PathLike[str], **parts: Unpack[_Parts]) -> Array:
 
 def array_of(keys: str, folder: File | None) -> Array:
     """Read the array of a scene file's table `array.positions`; `keys` is its TOML."""
-    name = tomllib.loads(keys)["file"]
+    given = tomllib.loads(keys)
+    name = given["file"]
     if folder is None:
         cure = "this document has no folder to find files in, list the positions themselves"
         raise refused("file", name, cure)
-    return read_array(folder / name)
+    return read_array(folder / name, unit=given.get("unit"))
 
 
-def _layout(path: str | PathLike[str]) -> Layout:
+def _layout(path: str | PathLike[str], unit: str | None) -> Layout:
     ending = "".join(path_of("path", path).suffixes[-2:]).lower()
     listed = ending.endswith(".json") and LISTED.match(content(path, empty=True))
     if listed or ending.endswith((*TEXTS, *ARRAYS)):
-        _, found = read_table(table(path), str(path))
+        _, found = read_table(table(path), str(path), length="m" if unit is None else word("unit", unit))
         return Layout(found[:, :3], found[:, 3:] if found.shape[1] == 6 else None)
+    if unit is not None:
+        raise refused("unit", unit, "the file's format states its own, leave it out")
     if ending.endswith(".pat"):
         return _openmpd(path)
     if ending.endswith((".xml.gz", ".xml")):

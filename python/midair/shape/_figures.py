@@ -55,7 +55,12 @@ def line(start: ArrayLike, end: ArrayLike, *, step: float = STEP) -> Points:
 
 
 def circle(
-    center: ArrayLike, radius: float, *, step: float = STEP, normal: ArrayLike = (0.0, 0.0, 1.0)
+    center: ArrayLike,
+    radius: float,
+    *,
+    step: float | None = None,
+    count: int | None = None,
+    normal: ArrayLike = (0.0, 0.0, 1.0),
 ) -> Points:
     """Return points on a circle. The first lies along x, as far as the plane allows (else along y).
 
@@ -66,7 +71,9 @@ def circle(
     radius : float
         Radius in m.
     step : float, optional
-        Distance between neighbours in m.
+        Distance between neighbours in m, by default 2.125 mm; or give `count`.
+    count : int, optional
+        Number of points.
     normal : (3,) array_like, optional
         Normal of the plane, of any length. The points run counterclockwise if it points to the viewer.
 
@@ -78,13 +85,15 @@ def circle(
     Raises
     ------
     SceneError
-        For a radius or step not above 0, a normal of no length, and for more than 100000 points.
+        For a radius or step not above 0, a normal of no length, a step and a count, and for more than 100000
+        points.
 
     Examples
     --------
     >>> import midair
-    >>> midair.shape.circle([0, 0, 0.15], 0.02, step=0.01).shape
-    (13, 3)
+    >>> circle = midair.shape.circle
+    >>> len(circle([0, 0, 0.15], 0.02, step=0.01)), len(circle([0, 0, 0.15], 0.02, count=5))
+    (13, 5)
     """
     return shape_points({"kind": "circle", **locals()})
 
