@@ -36,7 +36,7 @@ pub(super) struct Pace {
 impl Pace {
     /// The pace for a few targets. Beside a disc of 172 quiet points a least damping of 1e-5 loses 4 % of the level. With
     /// 1e-3 the quiet points leak twice as much.
-    pub(super) const SHORT: Self = Self { curvature: 1.5, damping: 1e-2, shrink: 0.5, least: 1e-4, steps: 22 };
+    pub(super) const SHORT: Self = Self { curvature: 2.0, damping: 1e-2, shrink: 0.5, least: 1e-4, steps: 22 };
     /// The pace for many targets.
     pub(super) const LONG: Self =
         Self { curvature: LEAST_CURVATURE, damping: 1.0, shrink: 0.93, least: 1e-5, steps: 160 };

@@ -27,8 +27,9 @@ pub(super) struct Course {
 }
 
 impl Course {
-    /// The first part of a path of crowded points. After it F shows how loud the field will be at the end.
-    pub(super) const FIRST: Self = Self { from: 3.0, to: CULL, factor: 0.7 };
+    /// The first part of a path of crowded points. After it F shows how loud the field will be at the end. With the factor
+    /// .7, clouds and spheres of points lose up to half of their level.
+    pub(super) const FIRST: Self = Self { from: 3.0, to: CULL, factor: 0.85 };
     /// The rest of the path of crowded points. With a smaller factor they lose some of their level.
     pub(super) const REST: Self = Self { from: CULL, to: 2e-4, factor: 0.75 };
     /// A slow rest, for the field that is even where the other one is not.

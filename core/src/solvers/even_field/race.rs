@@ -211,7 +211,7 @@ impl<'w> Search<'w> {
         let level = self.trial.level(run.rows);
         polish(run, pace.manner(level, run.plan.quiet), &mut self.trial)?;
         let alone = run.rows.targeted == run.rows.order.len();
-        let even = self.unevenness(run) <= run.plan.tolerance.max(if alone { CLOSE } else { 3.0 * NEARLY });
+        let even = self.unevenness(run) <= run.plan.tolerance.max(if alone { CLOSE } else { 2.0 * NEARLY });
         self.offer(run.rows, even);
         Ok(())
     }

@@ -56,7 +56,7 @@ impl Plan {
     /// Returns the number of starts with random drives: where points fill a volume, the loudest fields are not near
     /// smooth ones.
     pub(super) fn random(&self) -> usize {
-        if self.wide { 6 } else { 4 }
+        if self.wide { 4 } else { 2 }
     }
 
     /// Returns how many fields are followed to the end.
