@@ -348,7 +348,8 @@ def _raced(scene: Scene, curve: _Curve, run: Path) -> Path:
     Beads ring in their traps. How much depends on the rate of the laps, so a faster lap may be nearer.
     """
     from .._flight.fly import fly
-    from .._sequence.solve import air_of, sequence
+    from .._sequence.frames import air_of
+    from .._sequence.solve import sequence
 
     def far(path: Path) -> float:
         frames = sequence(scene.array, path, rate=RATE, change=np.pi / 4, **air_of(scene))
@@ -360,7 +361,7 @@ def _raced(scene: Scene, curve: _Curve, run: Path) -> Path:
         most, best = far(run), run
         for faster in RACED:
             count = round(run.duration / faster / TICK)
-            places = curve.at(np.arange(count) * (last * curve.step / count), True)
+            places = curve.at(np.arange(count, dtype=np.float64) * (last * curve.step / count), True)
             even = from_array(places[:, None], rate=1 / TICK, closed=True)
             distance = far(even)
             if distance > FAR * most:
