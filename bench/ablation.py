@@ -85,9 +85,7 @@ def built(copy: Path) -> str:
     """Return the program of a copy of the sources."""
     settings = {"CARGO_PROFILE_BENCH_LTO": "off", "CARGO_PROFILE_BENCH_CODEGEN_UNITS": "16"}
     command = "cargo bench --quiet --package midair --bench levels --no-run --message-format=json".split()
-    lines = subprocess.run(
-        command, cwd=copy, env=os.environ | settings, check=True, stdout=subprocess.PIPE
-    ).stdout
+    lines = subprocess.run(command, cwd=copy, env=os.environ | settings, check=True, stdout=subprocess.PIPE).stdout
     programs = [json.loads(line).get("executable") for line in lines.splitlines()]
     return next(program for program in programs if program)
 

@@ -27,17 +27,13 @@ def ring_down(axis: int, start: float, share: float) -> float:
     flight = midair.fly(sequence, beads=[begin], speeds=[[0, 0, 0]], duration=0.3)
     swing = flight.places[:, 0, axis] - rest[axis]
     # The energy of the swing, by its mean square in two windows.
-    first, last = (
-        np.sqrt(np.mean(swing[part] ** 2)) for part in np.array_split(np.arange(len(swing)), 6)[1:5:3]
-    )
+    first, last = (np.sqrt(np.mean(swing[part] ** 2)) for part in np.array_split(np.arange(len(swing)), 6)[1:5:3])
     between = 3 * flight.times[-1] / 6
     return float(between / np.log(first / last))
 
 
 def row(quantity: str, measured: float, found: float, unit: str) -> str:
-    return (
-        f"| {quantity} | {measured:g} {unit} | {found:.3g} {unit} | {100 * (found / measured - 1):+.0f} % |"
-    )
+    return f"| {quantity} | {measured:g} {unit} | {found:.3g} {unit} | {100 * (found / measured - 1):+.0f} % |"
 
 
 if __name__ == "__main__":

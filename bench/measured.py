@@ -36,10 +36,7 @@ def scatter(folder: Path) -> tuple[float, float]:
     """Returns the standard deviations of |p| and of p over three readings of 60 drives, relative to p."""
     name = "step3_compare_A{}_numerical2experiment_{{}}_{}_try.csv"
     read = np.array(
-        [
-            [complex_of(folder / "experiment_data", name.format(a, k), "amp", "pha") for a in SETTINGS]
-            for k in range(3)
-        ]
+        [[complex_of(folder / "experiment_data", name.format(a, k), "amp", "pha") for a in SETTINGS] for k in range(3)]
     )
     size = np.sqrt(np.mean(np.abs(read) ** 2))
     moduli, values = (np.sqrt(np.var(each, axis=0, ddof=1).mean()) for each in (np.abs(read), read))

@@ -148,8 +148,7 @@ def _cells(found: _Found, rival: str, method: str) -> list[str]:
 def _beside_gspat(found: _Found) -> str:
     """Returns a sentence on the fastest method of midair and of autd3, for few points."""
     ours, theirs = (
-        [found.get((*name, "board", m)) for m in (1, 4, 8)]
-        for name in (("midair", "fast"), (REFERENCE, "gspat"))
+        [found.get((*name, "board", m)) for m in (1, 4, 8)] for name in (("midair", "fast"), (REFERENCE, "gspat"))
     )
     ratios = [_ratio(*pair) for pair in zip(theirs, ours, strict=True)]
     parts = ", ".join(f"1/{ratio}" for ratio in ratios)

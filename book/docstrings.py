@@ -58,6 +58,4 @@ def method(
     if found.is_alias:
         return method(name, pkg, found, owner)
     parameters = griffe.Parameters(*list(found.parameters)[1:])
-    return griffe.Function(
-        name, parameters=parameters, returns=found.returns, parent=owner, docstring=found.docstring
-    )
+    return griffe.Function(name, parameters=parameters, returns=found.returns, parent=owner, docstring=found.docstring)

@@ -124,9 +124,7 @@ def notebook_page(path: Path) -> str:
 def lesson(page: Path) -> str:
     """Returns a tutorial as a notebook, which begins with the installation."""
     made = [("code", "%pip install --quiet midair")]
-    for number, part in enumerate(
-        re.split(r"```python\n(.*?)```\n", page.read_text("utf-8"), flags=re.DOTALL)
-    ):
+    for number, part in enumerate(re.split(r"```python\n(.*?)```\n", page.read_text("utf-8"), flags=re.DOTALL)):
         made.append(("code" if number % 2 else "markdown", part.strip()))
     cells = [
         {"cell_type": kind, "id": f"cell-{number}", "metadata": {}, "source": text.splitlines(keepends=True)}

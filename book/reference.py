@@ -29,8 +29,7 @@ PYTHON = [
         "solving",
         "Solving",
         "Methods compute a drive for a scene, for many scenes at once, or repeatedly.",
-        "solve Solution solve_batch Batch Solver solvers SolverInfo OptionInfo compare Comparison bound beam "
-        "multiplex",
+        "solve Solution solve_batch Batch Solver solvers SolverInfo OptionInfo compare Comparison bound beam multiplex",
     ),
     (
         "judging",
@@ -115,9 +114,7 @@ def python() -> Iterator[tuple[str, str]]:
     listed = [name for *_, names in PYTHON for name in names.split()]
     if sorted(listed) != sorted(midair.__all__):
         wrong = set(listed) ^ set(midair.__all__)
-        raise ValueError(
-            f"book/reference.py and midair.__all__ differ in {sorted(wrong) or 'names given twice'}"
-        )
+        raise ValueError(f"book/reference.py and midair.__all__ differ in {sorted(wrong) or 'names given twice'}")
     for file, title, about, names in PYTHON:
         blocks = [f"# {title}\n\n{about} Units and shapes: [conventions](../../conventions.md)."]
         blocks += [entry(name) for name in names.split()]
@@ -142,9 +139,7 @@ def index() -> str:
     text = INDEX
     for _, title, about, names in PYTHON:
         summaries = {name: inspect.getdoc(getattr(midair, name)) or "" for name in names.split()}
-        rows = [
-            (f"[`{name}`](../{source(name)})", text.partition("\n")[0]) for name, text in summaries.items()
-        ]
+        rows = [(f"[`{name}`](../{source(name)})", text.partition("\n")[0]) for name, text in summaries.items()]
         text += f"\n## {title}\n\n{about}\n\n{table(('name', 'summary'), rows)}"
     return text
 

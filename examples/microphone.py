@@ -43,9 +43,7 @@ def sound_card(
     try:
         import sounddevice
     except (ImportError, OSError) as error:
-        raise SystemExit(
-            f"error: no sounddevice ({error}): pip install 'midair[sound]', and PortAudio"
-        ) from None
+        raise SystemExit(f"error: no sounddevice ({error}): pip install 'midair[sound]', and PortAudio") from None
     count = round((SETTLE + LISTEN) * rate)
     kept = round(LISTEN * rate)
     window = np.hanning(kept)[:, None]
@@ -76,9 +74,7 @@ def draw(received: Mapping[str, Any]) -> None:
 def main() -> None:
     """Tunes the foci, and prints the result."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument(
-        "--device", type=int, help="number of the sound card (python -m sounddevice lists them)"
-    )
+    parser.add_argument("--device", type=int, help="number of the sound card (python -m sounddevice lists them)")
     parser.add_argument("--rate", type=float, default=192e3, help="samples a second")
     parser.add_argument("--pascals", type=float, default=20.0, help="peak pressure at the card's full scale")
     parser.add_argument("--board", default="autd3", help="kind of board that plays")

@@ -77,13 +77,9 @@ def emulated(target: Path, method: str, array: str, board: str, points: int) -> 
         quiet = ["-display", "none", "-monitor", "none"]
         semihosting = ",".join(["enable=on", "target=native", *words])
         ends = ["-serial", f"file:{line}", "-semihosting-config", semihosting, "-kernel", str(program)]
-        reported = subprocess.run(
-            [*machine, *quiet, *ends], capture_output=True, encoding="utf-8", timeout=300
-        )
+        reported = subprocess.run([*machine, *quiet, *ends], capture_output=True, encoding="utf-8", timeout=300)
         if reported.returncode != 0:
-            raise RuntimeError(
-                f"{method} {array} {board} {points}: {reported.stdout[-500:]}{reported.stderr[-500:]}"
-            )
+            raise RuntimeError(f"{method} {array} {board} {points}: {reported.stdout[-500:]}{reported.stderr[-500:]}")
         pairs = [text.split() for text in reported.stdout.splitlines()]
         numbers = {name: int(value) for name, value in pairs if name != "drive"}
         return Run(numbers, [value for name, value in pairs if name == "drive"], line.read_bytes())

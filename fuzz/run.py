@@ -42,8 +42,7 @@ def code(*folders: str) -> str:
     changes.
     """
     return " ".join(
-        _git("rev-parse", "--short=8", f"HEAD:{folder}")
-        + ("+" if _git("status", "--porcelain", "--", folder) else "")
+        _git("rev-parse", "--short=8", f"HEAD:{folder}") + ("+" if _git("status", "--porcelain", "--", folder) else "")
         for folder in folders
     )
 

@@ -41,10 +41,7 @@ def record(firmware: str) -> None:
     for act in acts(transport):
         act()
         steps = wire.steps()
-        new = [
-            [step.hex() for step, _ in groupby(each[count:])]
-            for each, count in zip(steps, before, strict=True)
-        ]
+        new = [[step.hex() for step, _ in groupby(each[count:])] for each, count in zip(steps, before, strict=True)]
         before = [len(each) for each in steps]
         rows.append({"steps": new, "devices": emulator.state()})
     wire.close()

@@ -54,9 +54,7 @@ def say(text: str) -> None:
 
 
 def run(*command: object, cwd: Path = ROOT, env: dict[str, str] | None = None) -> str:
-    done = subprocess.run(
-        [str(word) for word in command], cwd=cwd, env=env, capture_output=True, encoding="utf-8"
-    )
+    done = subprocess.run([str(word) for word in command], cwd=cwd, env=env, capture_output=True, encoding="utf-8")
     if done.returncode:
         raise SystemExit(f"{' '.join(map(str, command))}:\n{done.stdout}{done.stderr}")
     return done.stdout
@@ -75,9 +73,7 @@ def bundled() -> list[tuple[str, str, str]]:
             found.add(id)
             compiled = [need for need in needs[id] if any(kind["kind"] is None for kind in need["dep_kinds"])]
             waiting += [need["pkg"] for need in compiled]
-    rows = [
-        (one["name"], one["version"], one["license"] or "none") for one in map(packages.get, found) if one
-    ]
+    rows = [(one["name"], one["version"], one["license"] or "none") for one in map(packages.get, found) if one]
     return sorted(row for row in rows if not row[0].startswith("midair"))
 
 
@@ -259,9 +255,7 @@ def try_wheel(python: str) -> None:
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
         command = ["midair", "studio", "--no-browser", "--port", str(port)]
-        with subprocess.Popen(
-            command, cwd=folder, env=env, stdout=subprocess.PIPE, encoding="utf-8"
-        ) as served:
+        with subprocess.Popen(command, cwd=folder, env=env, stdout=subprocess.PIPE, encoding="utf-8") as served:
             try:
                 module = fetched(f"http://127.0.0.1:{port}/midair.wasm")
             finally:
@@ -373,9 +367,7 @@ def try_unity() -> None:
         sources = [*package.rglob("*.cs"), *(ROOT / "unity" / "Tests~").glob("*.cs")]
         run("mcs", "-r:System.dll", "-r:System.Core.dll", f"-out:{name}/scripts.exe", *sources)
         library = str(package / "Runtime" / "Plugins" / "Linux" / "x86_64")
-        if "points" not in run(
-            "mono", f"{name}/scripts.exe", "solve", env={**os.environ, "LD_LIBRARY_PATH": library}
-        ):
+        if "points" not in run("mono", f"{name}/scripts.exe", "solve", env={**os.environ, "LD_LIBRARY_PATH": library}):
             raise SystemExit("the package for Unity does not solve")
 
 
@@ -417,9 +409,7 @@ def try_sources() -> None:
 def main() -> None:
     build()
     both(try_wheels, try_sources)
-    sums = [
-        f"{hashlib.sha256(file.read_bytes()).hexdigest()}  {file.name}\n" for file in sorted(OUT.iterdir())
-    ]
+    sums = [f"{hashlib.sha256(file.read_bytes()).hexdigest()}  {file.name}\n" for file in sorted(OUT.iterdir())]
     (OUT / "SHA256SUMS").write_text("".join(sums), "utf-8")
     say("done: docs/publishing.md says what to upload, in which order")
     for file in sorted(OUT.iterdir()):

@@ -22,9 +22,7 @@ def prepare(task: dict[str, Any]) -> Prepared:
     drive = np.zeros((len(positions), 2))
 
     def run() -> np.ndarray:
-        LIBRARY.greedy(
-            len(positions), len(points), positions, points, pressures, *model, PHASES, task["seed"], drive
-        )
+        LIBRARY.greedy(len(positions), len(points), positions, points, pressures, *model, PHASES, task["seed"], drive)
         return drive
 
     return run, lambda drive: {"drive": drive @ [1, 1j], "positions": positions}

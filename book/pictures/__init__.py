@@ -51,9 +51,7 @@ def reduce(picture: Path | io.BytesIO, target: Path) -> None:
     few.save(target, "PNG", optimize=True)
 
 
-def write_names(
-    axes: Axes, names: list[str], points: np.ndarray, colours: list[str], size: float = 8
-) -> None:
+def write_names(axes: Axes, names: list[str], points: np.ndarray, colours: list[str], size: float = 8) -> None:
     """Writes each name beside its point (K, 2), where it covers least; the layout must be final."""
     places = axes.transData.transform(points)
     taken = [Bbox.from_extents(*(place - SIZE), *(place + SIZE)) for place in places]

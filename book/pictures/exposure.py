@@ -18,8 +18,7 @@ def ears() -> None:
     scene = midair.Scene(array, middle + np.array([[-0.03, 0, 0.2], [0.03, 0, 0.2]]))
     scene = scene.replace(pressures=0.9 * scene.reach().level)
     places = {
-        side: midair.ear(middle + np.array([x, 0.12, 0.5]), size=0.03)
-        for side, x in (("left", -0.07), ("right", 0.07))
+        side: midair.ear(middle + np.array([x, 0.12, 0.5]), size=0.03) for side, x in (("left", -0.07), ("right", 0.07))
     }
     quiet = places["right"].quieten(places["left"].quieten(scene))
     for what, one in (("as it is", scene), ("quiet ears", quiet)):
@@ -61,10 +60,7 @@ def behind(count: int, seed: int) -> NDArray[np.float64]:
     """Returns random points in four vertical columns of 5 mm radius, 2 to 10 cm above the foci."""
     random = np.random.default_rng(seed)
     around = 0.005 * np.sqrt(random.random(count)) * np.exp(2j * np.pi * random.random(count))
-    return (
-        FOCI[random.integers(4, size=count)]
-        + np.c_[around.real, around.imag, random.uniform(0.02, 0.1, count)]
-    )
+    return FOCI[random.integers(4, size=count)] + np.c_[around.real, around.imag, random.uniform(0.02, 0.1, count)]
 
 
 def streaming() -> None:

@@ -80,9 +80,7 @@ def glided(array: midair.Array, count: int, speed: float, parts: int, tau: float
         yield [turned / change, evenness(rest), evenness(motion), rest[::19].mean() / known]
 
 
-def foreseen(
-    array: midair.Array, count: int, speed: float, parts: int
-) -> Iterator[list[tuple[float, float]]]:
+def foreseen(array: midair.Array, count: int, speed: float, parts: int) -> Iterator[list[tuple[float, float]]]:
     """Yields level and uniformity of sequences for each number of frames in AHEAD, for each kind of path."""
     for points, known in cases(array, count, speed):
         found = []
@@ -147,6 +145,4 @@ def main() -> None:
         for speed, parts in ((0.5, 16), (0.5, 32), (2.0, 16), (2.0, 32)):
             level, even = np.moveaxis(np.array([*foreseen(array, count, speed, parts)]), 2, 0)
             cells = zip(level.mean(axis=0), even.min(axis=0), strict=True)
-            line(
-                count, f"{speed:g} m/s", f"pi/{parts}", *(f"{both[0]:.3f} ({both[1]:.4f})" for both in cells)
-            )
+            line(count, f"{speed:g} m/s", f"pi/{parts}", *(f"{both[0]:.3f} ({both[1]:.4f})" for both in cells))

@@ -37,9 +37,7 @@ def boards() -> None:
 def embedded() -> None:
     """Draws the number of instructions per frame over the number of points, from docs/embedded.md."""
     rows = re.findall(r"^\| `(\w+)` \|(.*)\|$", (DOCS / "embedded.md").read_text("utf-8"), re.MULTILINE)
-    cells = [
-        (name, [float(cell.replace(",", "")) for cell in row.split("|")]) for name, row in rows if "." in row
-    ]
+    cells = [(name, [float(cell.replace(",", "")) for cell in row.split("|")]) for name, row in rows if "." in row]
     drawn, (ax,) = figure(4.2)
     for method in ("uniform", "greedy", "naive", "fast"):
         own = [row for name, row in cells if name == method and row[1] == 256]
@@ -66,9 +64,7 @@ def sweeps() -> None:
     )
     drawn, (ax,) = figure(4.2)
     for name in methods:
-        found = [
-            table["uniformity"][(table["solver"] == name) & (table["points"] == m)] for m in (2, 4, 8, 16)
-        ]
+        found = [table["uniformity"][(table["solver"] == name) & (table["points"] == m)] for m in (2, 4, 8, 16)]
         means = np.array([each.mean() for each in found])
         half = np.array([1.96 * each.std(ddof=1) / np.sqrt(len(each)) for each in found])
         ax.errorbar(range(4), means, half, marker="o", capsize=4, color=COLOURS[name])
@@ -123,9 +119,7 @@ def card() -> None:
     field = np.abs(midair.field(scene, solution, plane).pressure)
     drawn = plt.figure(figsize=(12, 6.3), facecolor=INK)
     picture = drawn.add_axes((0.475, 0, 0.525, 1))
-    picture.imshow(
-        field, cmap="magma", origin="lower", vmax=np.quantile(field, 0.999), interpolation="bicubic"
-    )
+    picture.imshow(field, cmap="magma", origin="lower", vmax=np.quantile(field, 0.999), interpolation="bicubic")
     picture.set_axis_off()
     drawn.text(0.05, 0.56, "midair", color="white", fontsize=64, weight="bold", va="bottom")
     lines = "Ultrasound phased arrays:\nthe pressure at given points\nis what you request."

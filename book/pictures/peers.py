@@ -52,9 +52,7 @@ def evenness(rows: Rows) -> None:
     found = [rows[*one, 16] for one in shown]
     points = np.array([(float(row["ns_median"]) / 1e3, float(row["sigma"])) for row in found])
     colours = [COLOURS[rival] for rival, _ in shown]
-    names = [
-        f"{method} ({rival})".removesuffix(" (midair)").replace(" 16 phases", "") for rival, method in shown
-    ]
+    names = [f"{method} ({rival})".removesuffix(" (midair)").replace(" 16 phases", "") for rival, method in shown]
     ax.scatter(*points.T, c=colours)
     ax.set_xscale("log")
     ax.set_xticks([30, 100, 300, 1000, 3000], ["30 µs", "100 µs", "300 µs", "1 ms", "3 ms"])

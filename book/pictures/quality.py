@@ -41,10 +41,7 @@ COLOURS = {method.solver: method.colour for method in (*scenes.PAPER, scenes.GS,
 
 def compared() -> list[Method]:
     """Returns every registered method with its defaults, and greedy on the paper's finest grid."""
-    found = [
-        Method(name, name, name, OPTIONS.get(name, {}), COLOURS.get(name, "#1a55ff"))
-        for name in midair.solvers()
-    ]
+    found = [Method(name, name, name, OPTIONS.get(name, {}), COLOURS.get(name, "#1a55ff")) for name in midair.solvers()]
     return [*found, FINE]
 
 

@@ -9,9 +9,7 @@ from numpy.typing import NDArray
 
 #: The layout of midair_answer in C; midair_metrics is its last six numbers.
 METRICS = ["accuracy", "sigma", "uniformity", "level", "residual", "leak"]
-ANSWER = np.dtype(
-    [("status", "i4"), ("steps", "u8"), *((name, "f8") for name in ["scale", *METRICS])], align=True
-)
+ANSWER = np.dtype([("status", "i4"), ("steps", "u8"), *((name, "f8") for name in ["scale", *METRICS])], align=True)
 RETURNED = {
     "midair_result": c_int,
     "size_t": c_size_t,

@@ -110,9 +110,7 @@ def test_what_no_batch_can_be_is_refused_and_nothing_is_written(library: Library
     library.plain("session_free", session)
 
 
-def scenes(
-    library: Library, texts: list[str], threads: int, size: int
-) -> tuple[int, str, np.ndarray, np.ndarray]:
+def scenes(library: Library, texts: list[str], threads: int, size: int) -> tuple[int, str, np.ndarray, np.ndarray]:
     drives, answers = np.full((len(texts), size), 7, np.complex64), np.zeros(len(texts), ANSWER)
     list_of = (c_char_p * len(texts))(*(text.encode() for text in texts))
     found = library.call("solve_scenes", list_of, None, len(texts), threads, drives, size, answers)
@@ -146,9 +144,7 @@ def test_several_scenes_have_the_bits_of_the_package(library: Library, threads: 
         ),
     ],
 )
-def test_a_refused_scene_is_named_and_nothing_is_written(
-    library: Library, text: str, size: int, fault: str
-) -> None:
+def test_a_refused_scene_is_named_and_nothing_is_written(library: Library, text: str, size: int, fault: str) -> None:
     first = "[array]\ngrid = { nx = 3, ny = 3, pitch = 0.01 }\n" + POINTS
     result, message, drives, _ = scenes(library, [first, text, first], 2, size)
     assert result == 1

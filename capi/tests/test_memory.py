@@ -42,9 +42,7 @@ def test_a_second_solve_allocates_nothing(compiled: Build) -> None:
     program = compiled(MANY)
 
     def allocations(calls: int) -> int:
-        done = subprocess.run(
-            [*VALGRIND, program, "solves", str(calls)], capture_output=True, encoding="utf-8"
-        )
+        done = subprocess.run([*VALGRIND, program, "solves", str(calls)], capture_output=True, encoding="utf-8")
         assert done.returncode == 0, done.stderr
         (found,) = re.findall(r"total heap usage: ([\d,]+) allocs", done.stderr)
         return int(found.replace(",", ""))

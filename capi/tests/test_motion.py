@@ -124,9 +124,7 @@ def test_what_is_no_motion_is_refused(library: Library) -> None:
         ("ahead = 4", "line 5, column 9: motion.ahead is 4: midair's Python package solves"),
         ("rate = -1", "line 4, column 8: motion.rate is"),
     ):
-        text = FILES["circle"].replace(
-            "rate = 1000.0", wrong if "rate" in wrong else f"rate = 1000.0\n{wrong}"
-        )
+        text = FILES["circle"].replace("rate = 1000.0", wrong if "rate" in wrong else f"rate = 1000.0\n{wrong}")
         result, message = library.call("session_open", text, None, np.zeros(1, np.uintp))
         assert result == 1
         assert fault in message

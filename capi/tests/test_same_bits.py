@@ -86,9 +86,7 @@ def test_the_last_of_sound_speed_and_temperature_counts(
 ) -> None:
     first = {"sound_speed": 350.0, "temperature": 10.0}
     session = library.session(grid, "fast", **{name: first[name] for name in first.keys() - last} | last)
-    same(
-        library, session, midair.Solver(midair.Array.grid(12, 10, 0.0105), "fast", **last), POINTS, PRESSURES
-    )
+    same(library, session, midair.Solver(midair.Array.grid(12, 10, 0.0105), "fast", **last), POINTS, PRESSURES)
     library.plain("session_free", session)
 
 

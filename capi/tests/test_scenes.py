@@ -25,9 +25,7 @@ SCENES = {
     "medium": '[array]\npreset = "autd3"\n[medium]\ntemperature = 31.0\nabsorption = 0.2\n',
     "wall": "[array]\ngrid = { nx = 12, ny = 10, pitch = 0.0105 }\n" + WALL,
     "sphere": '[array]\npreset = "openmpd_board"\n' + SPHERE,
-    "two walls": '[array]\npreset = "openmpd_board"\n'
-    + WALL
-    + WALL.replace("-1.0", "1.0").replace("0.08", "-0.09"),
+    "two walls": '[array]\npreset = "openmpd_board"\n' + WALL + WALL.replace("-1.0", "1.0").replace("0.08", "-0.09"),
     "trap": 'signature = "trap"\n[array]\npreset = "openmpd_board"\n',
     "vortex at a wall": 'signature = "vortex"\n[array]\npreset = "openmpd_board"\n' + WALL,
     "solver": '[array]\npreset = "paper20"\n[solver]\nname = "greedy"\nphases = 32\nseed = 7\n',
@@ -50,9 +48,7 @@ def test_a_scene_from_text(library: Library, name: str, toml: bool) -> None:
     for _ in range(2):
         drive, answer = library.solve(session, len(scene.array), np.zeros((0, 3)))
         assert drive.tobytes() == solution.drive.astype(np.complex64).tobytes()
-        assert [answer[metric] for metric in METRICS] == [
-            getattr(solution.metrics, metric) for metric in METRICS
-        ]
+        assert [answer[metric] for metric in METRICS] == [getattr(solution.metrics, metric) for metric in METRICS]
         count = library.plain("session_points", session)
         assert count == len(scene.points)
         pressures, points = np.zeros(count, np.complex64), np.zeros((count, 3))

@@ -46,15 +46,11 @@ def program(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[
     """Returns a function that runs the scripts in a program that tests them; compiler warnings are errors."""
     need("mcs", "mono")
     built = tmp_path_factory.mktemp("unity") / "scripts.exe"
-    sources = sorted(
-        path for name in ("Runtime", "Tests~", "Samples~") for path in (UNITY / name).rglob("*.cs")
-    )
+    sources = sorted(path for name in ("Runtime", "Tests~", "Samples~") for path in (UNITY / name).rglob("*.cs"))
     run("mcs", "-warnaserror", "-r:System.dll", "-r:System.Core.dll", f"-out:{built}", *sources)
 
     def scripts(*words: str, given: str = "", **environment: str) -> str:
-        return run(
-            "mono", built, *words, given=given, **{"LD_LIBRARY_PATH": str(prefix / "lib"), **environment}
-        )
+        return run("mono", built, *words, given=given, **{"LD_LIBRARY_PATH": str(prefix / "lib"), **environment})
 
     return scripts
 
@@ -254,8 +250,7 @@ def test_lines_that_cannot_play_are_refused(program: Callable[..., str]) -> None
         "osc://127.0.0.1:PORT token TOKEN"
     ]
     assert refusal("autd3", "/dev/ttyUSB7") == [
-        "error: autd3 is not at one serial port: "
-        "run `midair serve --on autd3` and give the line that it prints"
+        "error: autd3 is not at one serial port: run `midair serve --on autd3` and give the line that it prints"
     ]
     (line,) = refusal("sonicsurface", "/dev/no-port")
     assert line.startswith("error: /dev/no-port: ")

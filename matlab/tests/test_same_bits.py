@@ -32,9 +32,7 @@ SCENES = {
 ARRAY = "[array]\ngrid = { nx = 12, ny = 10, pitch = 0.0105 }\n"
 PLACES = np.array([[0.0, 0.01, 0.14], [0.01, -0.02, 0.1], [0.0, 0.0, 0.2]])
 #: What write_arrays() writes of a solution.
-RECORD = (
-    "write_arrays(name, parts(s.drive), parts(s.pressures), s.points, s.steps, s.scale, values(s.metrics));"
-)
+RECORD = "write_arrays(name, parts(s.drive), parts(s.pressures), s.points, s.steps, s.scale, values(s.metrics));"
 START = """
 function numbers = values(s), numbers = cell2mat(struct2cell(s)); end
 function numbers = parts(z), numbers = [real(z(:)), imag(z(:))].'; end

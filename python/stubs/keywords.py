@@ -15,15 +15,11 @@ ABOUT = r"((?:^ *///[^\n]*\n)+) *"
 
 NUMBER = re.compile(ABOUT + r"(\w+)( = [^\n]*)?, such as", re.MULTILINE)
 PART = re.compile(ABOUT + r"(\w+), such as .*?: (\w+)\(", re.MULTILINE)
-SOLVER = re.compile(
-    r"^options! \{\n(?: *///[^\n]*\n)*    pub struct (\w+) \{\n(.*?)^    \}", re.MULTILINE | re.DOTALL
-)
+SOLVER = re.compile(r"^options! \{\n(?: *///[^\n]*\n)*    pub struct (\w+) \{\n(.*?)^    \}", re.MULTILINE | re.DOTALL)
 OPTION = re.compile(ABOUT + r"pub (\w+): (\w+) =", re.MULTILINE)
 SUMMARY = r'^impl Method for {} .*?Info::new\(\s*"[^"]*",\s*"([^"]*)"'
 WORDS = re.compile(r"words!\((\w+): (.*)\);")
-LIST = re.compile(
-    r"impl OptionValue for (\w+) \{\s*const WORDS: [^=]*= &\[(.*)\];\s*const LIST: bool = true;"
-)
+LIST = re.compile(r"impl OptionValue for (\w+) \{\s*const WORDS: [^=]*= &\[(.*)\];\s*const LIST: bool = true;")
 
 KEYWORDS = '''"""Keywords that the core declares: of the air, of arrays, of scenes and of each solver.
 Made by python/stubs at each build.

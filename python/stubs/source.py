@@ -11,9 +11,7 @@ from textwrap import dedent
 #: Doc comments and attributes before an item.
 BEFORE = r"(?P<before>(?:^ *(?:///[^\n]*|#\[(?:[^\[\]]|\[[^\]]*\])*\])\n)*)^ *(?:pub(?:\(crate\))? )?"
 
-FUNCTION = re.compile(
-    BEFORE + r"fn (\w+)(?:<[^(]*>)?\((.*?)\)(?: -> ([^{]*?))? \{$", re.MULTILINE | re.DOTALL
-)
+FUNCTION = re.compile(BEFORE + r"fn (\w+)(?:<[^(]*>)?\((.*?)\)(?: -> ([^{]*?))? \{$", re.MULTILINE | re.DOTALL)
 STRUCT = re.compile(BEFORE + r"struct (\w+)(?: \{(.*?)^\}|.*?;$)", re.MULTILINE | re.DOTALL)
 METHODS = re.compile(r"^#\[pymethods\]\nimpl (\w+) \{\n(.*?)^\}", re.MULTILINE | re.DOTALL)
 FIELD = re.compile(BEFORE + r"(\w+): (.*),$", re.MULTILINE)

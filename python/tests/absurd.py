@@ -25,9 +25,7 @@ RING = 5e-3 * np.stack([np.cos(ANGLE), np.sin(ANGLE), 0 * ANGLE], axis=1)
 FOLDER = Path(tempfile.mkdtemp())
 (FOLDER / "g").write_text("G0 X-10 Y0 Z150\nG1 X10 F6000\nG2 X0 Y10 I-10 J0\n", "utf-8")
 (FOLDER / "l").write_text("L0 0 0 0 3.14 L1 0.001 0 0 3.14 L0\n", "utf-8")
-(FOLDER / "s").write_text(
-    '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0 L9 0 L9 9 Z"/></svg>', "utf-8"
-)
+(FOLDER / "s").write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0 L9 0 L9 9 Z"/></svg>', "utf-8")
 
 PAIR_OF_FOCI = midair.Scene(ARRAY, LINE, pressures=100.0)
 REQUEST: dict[str, Any] = {
@@ -73,9 +71,7 @@ def dataset(name: str, bad: Any) -> Any:
 
 
 GROUPS: dict[str, dict[str, Call]] = {
-    "haptic": keywords(
-        haptic, "shape", "array", "rate", "aim", "change", "beside", "ears", "limit", "loss", "tau"
-    ),
+    "haptic": keywords(haptic, "shape", "array", "rate", "aim", "change", "beside", "ears", "limit", "loss", "tau"),
     "skin": keywords(
         lambda **bad: midair.skin(**({"sequence": TRAPS} | bad)),
         *("sequence", "hand", "speed", "loss", "mass", "reach", "tau"),
@@ -137,9 +133,7 @@ GROUPS: dict[str, dict[str, Call]] = {
         "absorption": lambda bad: midair.streaming(SCENE, DRIVE, [[0, 0, 0.1]], absorption=bad),
     },
     "multiplex": keywords(
-        lambda **bad: midair.multiplex(
-            **({"scene": PAIR_OF_FOCI, "frames": 2, "rate": 1e3, "rounds": 1} | bad)
-        ),
+        lambda **bad: midair.multiplex(**({"scene": PAIR_OF_FOCI, "frames": 2, "rate": 1e3, "rounds": 1} | bad)),
         *("scene", "frames", "solver", "rate", "rounds", "phases", "steps"),
     )
     | {
@@ -155,9 +149,7 @@ GROUPS: dict[str, dict[str, Call]] = {
         *("path", "origin", "rate", "closed", "pressures"),
     ),
     "svg": keywords(
-        lambda **bad: midair.path.svg(
-            **({"path": FOLDER / "s", "size": 0.04, "z": 0.15, "speed": 0.1} | bad)
-        ),
+        lambda **bad: midair.path.svg(**({"path": FOLDER / "s", "size": 0.04, "z": 0.15, "speed": 0.1} | bad)),
         *("path", "size", "z", "speed", "frequency", "pressures"),
     ),
     "shape.svg": keywords(

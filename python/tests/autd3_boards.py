@@ -12,12 +12,7 @@ Floats = NDArray[np.float64]
 
 #: The 249 transducers of a board, in mm: a grid of 18 x 14, x fastest. Screws and the connector take 3 sites.
 SITES = np.array(
-    [
-        (10.16 * x, 10.16 * y, 0.0)
-        for y in range(14)
-        for x in range(18)
-        if (x, y) not in {(1, 1), (2, 1), (16, 1)}
-    ]
+    [(10.16 * x, 10.16 * y, 0.0) for y in range(14) for x in range(18) if (x, y) not in {(1, 1), (2, 1), (16, 1)}]
 )
 
 

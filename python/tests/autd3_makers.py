@@ -74,9 +74,7 @@ def patterns(payloads: list[bytes]) -> list[Any]:
     bank, count, first = struct.unpack_from("<BBH", payloads[0])
     parts = [[payload[at : at + 498] for payload in payloads] for at in range(4, len(payloads[0]), 498)]
     assert len(parts) == count
-    return [
-        WritePatternBuffer(PATTERN_BANKS[bank], first + k, *buffers(part)) for k, part in enumerate(parts)
-    ]
+    return [WritePatternBuffer(PATTERN_BANKS[bank], first + k, *buffers(part)) for k, part in enumerate(parts)]
 
 
 def config_patterns(payloads: list[bytes]) -> list[Any]:
@@ -94,9 +92,7 @@ def play_patterns(payloads: list[bytes]) -> list[Any]:
 def samples(payloads: list[bytes]) -> list[Any]:
     bank, zero, first = struct.unpack_from("<BBI", payloads[0])
     assert zero == 0
-    return [
-        WriteModulationBuffer(MODULATION_BANKS[bank], first, ModulationBuffer.from_bytes(payloads[0][6:]))
-    ]
+    return [WriteModulationBuffer(MODULATION_BANKS[bank], first, ModulationBuffer.from_bytes(payloads[0][6:]))]
 
 
 def config_samples(payloads: list[bytes]) -> list[Any]:

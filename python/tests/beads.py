@@ -28,9 +28,7 @@ def circle(count: int, speed: float, rate: float, laps: float = 1.0) -> Real:
 class Air:
     """The point sources of two boards, at their positions, and the physical properties of a bead."""
 
-    def __init__(
-        self, positions: Real, source: float = 4.386, radius: float = 1e-3, density: float = 29.0
-    ) -> None:
+    def __init__(self, positions: Real, source: float = 4.386, radius: float = 1e-3, density: float = 29.0) -> None:
         self.positions, self.source, self.radius = positions, source, radius
         volume = 4 / 3 * np.pi * radius**3
         self.particle = {"radius": radius, "density": density}
@@ -41,9 +39,7 @@ class Air:
         """Returns the force (M, 3) in N."""
         return traps.force(self.source * drive, places[:, None] - self.positions, **self.particle)
 
-    def stray(
-        self, drives: Complex, points: Real, begin: Real, rate: float, speed: Real | float = 0.0
-    ) -> Real:
+    def stray(self, drives: Complex, points: Real, begin: Real, rate: float, speed: Real | float = 0.0) -> Real:
         """Returns distances (T, M) in m between points (T, M, 3) and beads that start at `begin` (M, 3)."""
         step, apart = 1 / (rate * STEPS), np.zeros(points.shape[:2])
         state = np.stack([begin, np.broadcast_to(speed, begin.shape)])

@@ -19,11 +19,7 @@ def marks(ax: Axes) -> dict[str, np.ndarray]:
     found = {name: np.zeros((0, 2)) for name in ("dots", "rings", "crosses")}
     for mark in ax.collections:
         name = "rings" if len(mark.get_facecolor()) == 0 else "dots"
-        name = (
-            name
-            if mark.get_paths()[0].codes is not None and len(mark.get_paths()[0].codes) > 10
-            else "crosses"
-        )
+        name = name if mark.get_paths()[0].codes is not None and len(mark.get_paths()[0].codes) > 10 else "crosses"
         found[name] = np.concatenate([found[name], np.asarray(mark.get_offsets())])
     return found
 

@@ -390,9 +390,7 @@ KINDS = {
     "homies": Kind(
         lambda boards: [Homies() for _ in range(boards)],
         lambda boards: 1024 * boards,  # the off command is sent as words of eight bytes
-        lambda boards, frame: (
-            frame == boards * b"".join(bytes([0x55, 0, c, 0, 0, 1, 0, 0xAA]) for c in range(128))
-        ),
+        lambda boards, frame: frame == boards * b"".join(bytes([0x55, 0, c, 0, 0, 1, 0, 0xAA]) for c in range(128)),
         ticks=256,
     ),
 }

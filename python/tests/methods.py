@@ -158,9 +158,7 @@ def lm_residuals(G: Complex, t: Real, x: Real) -> tuple[Complex, Complex]:
     return waves.sum(axis=1) - wanted, 1j * np.hstack([waves, -np.diag(wanted)])
 
 
-def lm(
-    G: Complex, t: Real, start: Real, *, steps: int = 200, tau: float = 1e-3, eps: float = 1e-8
-) -> Complex:
+def lm(G: Complex, t: Real, start: Real, *, steps: int = 200, tau: float = 1e-3, eps: float = 1e-8) -> Complex:
     """Returns the drive with |q| = 1 of the Levenberg-Marquardt algorithm, from the phases `start`.
     It is algorithm 3.16 of Madsen, Nielsen and Tingleff 2004.
     """

@@ -105,10 +105,7 @@ def forgotten(surface):
 
 
 ACTS = {act.__name__: act for act in (bare, solve, send, stream, modulate, forked)}
-ACTS |= {
-    act.__name__: act
-    for act in (spin, native, exception, segfault, exit, killed, guardless, alone, forgotten)
-}
+ACTS |= {act.__name__: act for act in (spin, native, exception, segfault, exit, killed, guardless, alone, forgotten)}
 ACTS["sleep"] = bare
 
 

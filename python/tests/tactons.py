@@ -60,9 +60,7 @@ def keyframe(
         given = {"name": name, "params": {key: value(each) for key, each in params.items()}}
         made["brush"] = stage("brush", given, then)
     if intensity is not None:
-        made["intensity"] = stage(
-            "intensity", {"name": "constant", "params": {"value": value(intensity)}}, then
-        )
+        made["intensity"] = stage("intensity", {"name": "constant", "params": {"value": value(intensity)}}, then)
     return made
 
 

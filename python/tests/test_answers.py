@@ -24,9 +24,7 @@ def two(**scene) -> midair.Scene:
 
 ODD: dict[str, Callable[[], midair.Scene]] = {
     "coincident transducers": lambda: midair.Scene(midair.Array(np.zeros((9, 3))), POINTS),
-    "a quiet point where the loud one is": lambda: small(
-        array=ARRAY, points=[[0, 0, 0.1]] * 2, pressures=[1000, 0]
-    ),
+    "a quiet point where the loud one is": lambda: small(array=ARRAY, points=[[0, 0, 0.1]] * 2, pressures=[1000, 0]),
     "in the plane of the array": lambda: small(array=ARRAY, points=[[0.3, 0, 0], [0.005, 0.005, 0]]),
     "weights of all sizes": lambda: two(weights=[1e-30, 1e30]),
     "pressures of all sizes": lambda: two(pressures=[1e-9, 1e3]),

@@ -166,9 +166,7 @@ def test_play_switches_off_at_its_end(tmp_path: Path) -> None:
 
 def test_an_array_names_its_preset() -> None:
     assert repr(midair.Array.preset("autd3")).startswith('<midair.Array "autd3" of 249 transducers, ')
-    assert repr(midair.Array.preset("autd3", (2, 1))).startswith(
-        '<midair.Array "autd3", 2 x 1 boards, of 498 tr'
-    )
+    assert repr(midair.Array.preset("autd3", (2, 1))).startswith('<midair.Array "autd3", 2 x 1 boards, of 498 tr')
     assert repr(midair.Array.grid(4, 4, 0.01)).startswith("<midair.Array of 16 transducers, ")
 
 

@@ -32,9 +32,7 @@ def test_a_piston_sounds_as_the_closed_formulas_have_it(absorption: float, frequ
     amplitudes = np.sqrt((1 + np.cos(2 * np.pi * np.arange(count) / count)) / 2)
     drives = np.ones((count, side**2)) * amplitudes[:, None]
     points = np.broadcast_to([0, 0, 0.2], (count, 1, 3))
-    played = midair.Sequence(
-        array, points, 1.0, drives, rate=count * frequency, closed=True, absorption=absorption
-    )
+    played = midair.Sequence(array, points, 1.0, drives, rate=count * frequency, closed=True, absorption=absorption)
     scene, far, angle = played.scene(0), 30.0, 0.35
     ears = far * np.array([[0, 0, 1], [np.sin(angle), 0, np.cos(angle)]])
     frequencies, sound = audible_lines(played, ears)
@@ -56,9 +54,7 @@ def integral(played: midair.Sequence, ears: NDArray[np.float64], orders: int) ->
     """
     scene, step, count = played.scene(0), 6e-3, len(played)
     k, w = 2 * np.pi / scene.wavelength, 2 * np.pi * played.rate / count / scene.sound_speed
-    drives = {
-        n: np.array([line(q, played.rate, n) for q in played.drives.T]) for n in range(-orders, orders + 1)
-    }
+    drives = {n: np.array([line(q, played.rate, n) for q in played.drives.T]) for n in range(-orders, orders + 1)}
     summed = np.zeros((len(ears), 2), complex)
     for z in np.arange(step / 2, 2.5 / scene.absorption, step):
         x = np.arange(-0.03 - z, 0.03 + z, step)

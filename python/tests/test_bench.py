@@ -49,9 +49,7 @@ def test_the_papers_numbers_are_those_of_the_record_and_of_the_pages() -> None:
         one, four, _, sixteen, most, spread = cells.split(" | ")
         row = " | ".join([label, one, four, sixteen, most, spread.removeprefix("0")])
         assert f"| {row} |" in paper, name
-    (error, calibrated) = re.findall(
-        r"(\d\.\d %)\s\(root mean square\).*? (\d\.\d %) after", paper, re.DOTALL
-    )[0]
+    (error, calibrated) = re.findall(r"(\d\.\d %)\s\(root mean square\).*? (\d\.\d %) after", paper, re.DOTALL)[0]
     (again,) = re.findall(r"Repeated readings differ\sby (\d\.\d %)", paper)
     measuring = (ROOT / "docs" / "measuring.md").read_text("utf-8")
     assert f"| 140 | {error} | {calibrated} |" in measuring

@@ -22,10 +22,7 @@ def random_poses(rng: np.random.Generator, count: int) -> list[tuple[list[float]
     """Returns poses of boards anywhere in a cube of 4 m edge, with random rotations."""
     turns = rng.normal(size=(count, 4))
     turns /= np.linalg.norm(turns, axis=1, keepdims=True)
-    return [
-        (origin.tolist(), turn)
-        for origin, turn in zip(rng.uniform(-2000, 2000, (count, 3)), turns, strict=True)
-    ]
+    return [(origin.tolist(), turn) for origin, turn in zip(rng.uniform(-2000, 2000, (count, 3)), turns, strict=True)]
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
@@ -188,9 +185,7 @@ def test_rates_are_whole_periods(rate: float) -> None:
 
 
 def python(code: str) -> str:
-    return subprocess.run(
-        [sys.executable, "-c", code], check=True, capture_output=True, encoding="utf-8"
-    ).stdout
+    return subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, encoding="utf-8").stdout
 
 
 @pytest.mark.slow

@@ -32,9 +32,7 @@ def solutions(array: midair.Array, count: int, seed: int) -> list[midair.Solutio
     grids = [None, board]
     scenes = [midair.Scene(array, at) for at in points]
     mask = np.arange(len(array)) % 50 > 0
-    return [
-        midair.solve(scene, "naive", quantization=grids[i % 2], mask=mask) for i, scene in enumerate(scenes)
-    ]
+    return [midair.solve(scene, "naive", quantization=grids[i % 2], mask=mask) for i, scene in enumerate(scenes)]
 
 
 def at_once(recorder: Recorder) -> None:

@@ -18,12 +18,8 @@ BOARDS = 2
 ARRAY = some_boards(BOARDS)
 RNG = np.random.default_rng(1)
 #: Drives whose phases never pass the end of the cycle, because the emulator's silencer fails there.
-DRIVES = RNG.uniform(0, 1, (9, len(ARRAY))) * np.exp(
-    2j * np.pi * RNG.integers(64, 192, (9, len(ARRAY))) / 256
-)
-WANTED = [
-    np.concatenate([phase.ravel(), widths(amplitude).ravel()]) for phase, amplitude in map(codes, DRIVES)
-]
+DRIVES = RNG.uniform(0, 1, (9, len(ARRAY))) * np.exp(2j * np.pi * RNG.integers(64, 192, (9, len(ARRAY))) / 256)
+WANTED = [np.concatenate([phase.ravel(), widths(amplitude).ravel()]) for phase, amplitude in map(codes, DRIVES)]
 
 
 class Reported:

@@ -96,9 +96,7 @@ def test_other_firmware_is_named(version: int, reported: str) -> None:
 def test_boards_of_two_firmwares_are_refused() -> None:
     fake = Fake(5, BOARDS)
     fake.versions[1] = 3
-    with pytest.raises(
-        BoardError, match="a board speaks UDP protocol 3, another 5: put the same firmware on all"
-    ):
+    with pytest.raises(BoardError, match="a board speaks UDP protocol 3, another 5: put the same firmware on all"):
         Autd3Transport(fake.address, BOARDS)
     fake.versions[1] = 5
     fake.firmware = bytes([0, 13, 1, 0, 12, 0])

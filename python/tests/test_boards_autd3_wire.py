@@ -173,9 +173,7 @@ def test_lost_boards_are_reported_and_left(wire: Wire, boards: Autd3Transport) -
     assert wire.heartbeats > 2
     wire.lose = frames_only
     begin = time.perf_counter()
-    with pytest.raises(
-        BoardLost, match=r"autd3:\[::1\]:\d+: board \d did not reply within 20 ms: unplugged"
-    ) as kept:
+    with pytest.raises(BoardLost, match=r"autd3:\[::1\]:\d+: board \d did not reply within 20 ms: unplugged") as kept:
         boards.play(frames(1)[0])
     assert time.perf_counter() - begin < 2
     time.sleep(0.05)
@@ -264,9 +262,7 @@ def test_boards_that_are_not_there_are_reported() -> None:
 def test_a_missing_board_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(autd3_chain, "ENUMERATION", 1)
     alone = Packaged(1)
-    with pytest.raises(
-        BoardNotFound, match=r"only 1 AUTD3 board answered; the array stands for 2 boards: check power"
-    ):
+    with pytest.raises(BoardNotFound, match=r"only 1 AUTD3 board answered; the array stands for 2 boards: check power"):
         described(f"autd3:{alone.address}")
 
 
@@ -297,9 +293,7 @@ def test_boards_are_silent_when_their_program_is_ended(wire: Wire, end: str) -> 
         assert not any(silent(reported[-1]) for reported in each_board(wire))
         program.send_signal(signal.Signals[end])
         begin = time.perf_counter()
-        while (
-            not all(silent(reported[-1]) for reported in each_board(wire)) and time.perf_counter() - begin < 2
-        ):
+        while not all(silent(reported[-1]) for reported in each_board(wire)) and time.perf_counter() - begin < 2:
             time.sleep(0.005)
         assert time.perf_counter() - begin < 0.25
         assert program.wait(5) != 0

@@ -235,13 +235,8 @@ def test_ties_go_one_way_wherever_they_come(kind: str) -> None:
     for tie in (np.arange(phases) + 0.5) / phases:
         got = played(board, rig, np.full(size, np.exp(TURNING * tie)))
         assert np.ptp(got.real) + np.ptp(got.imag) < 1e-9
-        assert (
-            abs(np.angle(got[0] / np.exp(TURNING * tie)))
-            <= (3 if kind == "homies" else 1) * np.pi / phases + 1e-6
-        )
-    for amplitude in (
-        np.array([0.5]) if kind not in WIDTHS else np.sin(np.pi * 1.5 / TICKS[kind]) * np.ones(1)
-    ):
+        assert abs(np.angle(got[0] / np.exp(TURNING * tie))) <= (3 if kind == "homies" else 1) * np.pi / phases + 1e-6
+    for amplitude in np.array([0.5]) if kind not in WIDTHS else np.sin(np.pi * 1.5 / TICKS[kind]) * np.ones(1):
         got = np.abs(played(board, rig, np.full(size, amplitude)))
         assert np.ptp(got) < 1e-9
 
@@ -333,9 +328,7 @@ def test_broken_frames_are_refused_in_a_line_or_read_as_they_are_played(case: tu
             rig = Rig(*case)
             rig.receive(board.off_frame)
             got = received(board, rig, bytes(broken))
-            np.testing.assert_allclose(
-                read, got, atol=1e-6, err_msg=f"byte {at}: {frame[at]} -> {broken[at]}"
-            )
+            np.testing.assert_allclose(read, got, atol=1e-6, err_msg=f"byte {at}: {frame[at]} -> {broken[at]}")
 
 
 def test_a_burst_of_homies_with_an_odd_count_is_refused_or_read_as_it_is_played() -> None:

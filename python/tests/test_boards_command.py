@@ -17,9 +17,7 @@ SCENE = '[array]\npreset = "sonicsurface"\n\n[[points]]\nposition = [0.0, 0.0, 0
 
 
 def midair(*words: str, status: int = 0) -> subprocess.CompletedProcess[str]:
-    done = subprocess.run(
-        [sys.executable, "-m", "midair", *words], capture_output=True, encoding="utf-8", timeout=60
-    )
+    done = subprocess.run([sys.executable, "-m", "midair", *words], capture_output=True, encoding="utf-8", timeout=60)
     assert done.returncode == status, done.stderr
     return done
 
@@ -38,10 +36,7 @@ def test_boards_are_listed_and_reported() -> None:
     assert known["sonicsurface"]["frame_bytes"] == 258
     assert known["mega64"]["phases"] == 10
     assert "230400 baud" in midair("boards", "sonicsurface_pair").stdout
-    assert (
-        'unknown board "sonicsurfac": did you mean sonicsurface?'
-        in midair("boards", "sonicsurfac", status=2).stderr
-    )
+    assert 'unknown board "sonicsurfac": did you mean sonicsurface?' in midair("boards", "sonicsurfac", status=2).stderr
 
 
 @pytest.mark.slow
@@ -51,9 +46,7 @@ def test_ports_opens_none() -> None:
 
 @pytest.mark.slow
 def test_a_scene_a_drive_and_a_sequence_are_played(scene: Path, tmp_path: Path) -> None:
-    reported = midair(
-        "play", str(scene), "--on", "sonicsurface:loop", "--for", "300ms", "--modulate", "200"
-    ).stderr
+    reported = midair("play", str(scene), "--on", "sonicsurface:loop", "--for", "300ms", "--modulate", "200").stderr
     assert "dB SPL" in reported
     assert "1 frame, 0 late" in reported
     drive = tmp_path / "drive.npz"
@@ -67,9 +60,7 @@ def test_a_scene_a_drive_and_a_sequence_are_played(scene: Path, tmp_path: Path) 
         '[[motion.path]]\nkind = "line"\nstart = [0, 0, 0.15]\nend = [0.02, 0, 0.15]\nspeed = 0.04\n',
         encoding="utf-8",
     )
-    found = re.search(
-        r"(\d+) frames, (\d+) late", midair("play", str(motion), "--on", "sonicsurface:loop").stderr
-    )
+    found = re.search(r"(\d+) frames, (\d+) late", midair("play", str(motion), "--on", "sonicsurface:loop").stderr)
     assert found is not None
     # A busy machine skips frames, and counts them.
     assert int(found[1]) + int(found[2]) == 21
@@ -116,9 +107,7 @@ def test_what_cannot_be_played_is_one_line(scene: Path, words: list[str], report
 
 @pytest.mark.slow
 def test_modulation_is_requested_before_anything_is_read_or_solved() -> None:
-    error = midair(
-        "play", "not-there.toml", "--on", "sonicsurface:loop", "--modulate", "nan", status=2
-    ).stderr
+    error = midair("play", "not-there.toml", "--on", "sonicsurface:loop", "--modulate", "nan", status=2).stderr
     assert error.startswith("error: --modulate is nan")
 
 

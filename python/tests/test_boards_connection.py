@@ -127,9 +127,7 @@ def test_a_solution_for_another_array_is_refused(loop):
     other = midair.Array.grid(16, 16, 10e-3)
     near = midair.Array.grid(16, 16, 10.7e-3)
     solution = midair.solve(midair.Scene(other, [[0, 0, 0.15]]))
-    with pytest.raises(
-        midair.SceneError, match=r"transducer \d+ stands 5\.303 mm from its place on the board"
-    ):
+    with pytest.raises(midair.SceneError, match=r"transducer \d+ stands 5\.303 mm from its place on the board"):
         loop.send(solution)
     solution = midair.solve(midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]]))
     with pytest.raises(midair.SceneError, match="249 transducers, the board has 256: solve"):
@@ -279,9 +277,7 @@ def test_a_limit_refuses_what_is_too_loud():
     for positions in (ear, ear.points, [0.0, 0.1, 0.15]):
         with midair.connect("sonicsurface:null", limit={"positions": positions, "pressure": 900}) as null:
             null.send(quiet)
-            with pytest.raises(
-                midair.BoardError, match=r"limit at \(.*\) m is 900 Pa, this drive makes"
-            ) as reported:
+            with pytest.raises(midair.BoardError, match=r"limit at \(.*\) m is 900 Pa, this drive makes") as reported:
                 null.send(loud)
             np.testing.assert_allclose(null.emitting, quiet.drive, atol=1e-6)
             with pytest.raises(midair.BoardError, match="limit"):

@@ -67,9 +67,7 @@ def test_a_board_is_known_by_its_order_wherever_it_stands() -> None:
 
 def test_x_slow_on_a_sonicsurface_is_refused_or_put_in_order() -> None:
     array = midair.Array(SLOW, source_pressure=2.4, directivity={"sinc": 9e-3})
-    with pytest.raises(
-        midair.SceneError, match=r"give its transducers in the order \[0, 16, 32, .*pins=\[0, "
-    ):
+    with pytest.raises(midair.SceneError, match=r"give its transducers in the order \[0, 16, 32, .*pins=\[0, "):
         midair.Board("sonicsurface", array)
     surface = midair.Board("sonicsurface")
     board = midair.Board("sonicsurface", array, channels=array.channels_by_place("sonicsurface"))
@@ -150,9 +148,7 @@ def test_a_random_order_is_seen_also_near_the_limit_of_the_places(kind: str) -> 
 
 def test_channels_of_an_array_obey_the_order_too() -> None:
     autd3 = midair.Array.preset("autd3")
-    with pytest.raises(
-        midair.SceneError, match=r"array\.channels is given: autd3 drives each transducer alone"
-    ):
+    with pytest.raises(midair.SceneError, match=r"array\.channels is given: autd3 drives each transducer alone"):
         midair.Board("autd3", midair.Array(autd3.positions, channels=np.arange(249) // 2))
     mixed = np.random.default_rng(1).permutation(249)
     with pytest.raises(midair.SceneError, match="in another order than autd3"):

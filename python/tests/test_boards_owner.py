@@ -215,9 +215,7 @@ def test_a_limit_that_is_no_number_is_refused(pressure):
 
 
 def test_errors_of_a_library_come_as_errors_of_boards_in_one_line(monkeypatch, tmp_path):
-    (tmp_path / "serial.py").write_text(
-        "class Odd(Exception): pass\nraise Odd('two\\nlines')\n", encoding="utf-8"
-    )
+    (tmp_path / "serial.py").write_text("class Odd(Exception): pass\nraise Odd('two\\nlines')\n", encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(midair.BoardError) as error:
         midair.connect("sonicsurface:/dev/ttyUSB0")

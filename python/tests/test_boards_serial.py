@@ -121,9 +121,7 @@ def test_a_stream_keeps_time(line, surface):
 def test_a_stream_above_the_rate_skips(line, surface):
     sent, _ = drives(200)
     begin = time.monotonic()
-    with pytest.warns(
-        midair.SceneWarning, match=r"rate is 400 frames/s, sonicsurface takes 89.3: 78% of the frames"
-    ):
+    with pytest.warns(midair.SceneWarning, match=r"rate is 400 frames/s, sonicsurface takes 89.3: 78% of the frames"):
         stats = surface.stream(sent, rate=400, late="skip")
     assert time.monotonic() - begin < 0.7
     assert stats.frames + stats.late == 200

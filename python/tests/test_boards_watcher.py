@@ -47,11 +47,7 @@ def watcher_of(guard: int) -> int:
     """
     for path in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
-            if (
-                int(path.name) != guard
-                and (pipes := pipes_of(path))
-                and pipes <= pipes_of(Path(f"/proc/{guard}"))
-            ):
+            if int(path.name) != guard and (pipes := pipes_of(path)) and pipes <= pipes_of(Path(f"/proc/{guard}")):
                 return int(path.name)
     raise AssertionError("no watcher")
 
@@ -105,9 +101,7 @@ def test_the_watcher_and_another_at_once(programs, line, with_owner, dark, _):  
 def test_an_owner_that_is_stopped_with_the_port_in_its_hands(line):
     with midair.connect(f"sonicsurface:{line.port}") as surface:
         transport = surface._guard._transport
-    script = (
-        "import serial, sys; port = serial.Serial(sys.argv[1], exclusive=True); print(); sys.stdin.read()"
-    )
+    script = "import serial, sys; port = serial.Serial(sys.argv[1], exclusive=True); print(); sys.stdin.read()"
     command = [sys.executable, "-c", script, line.port]
     line.surface.banks[0][0][0] = 0
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as owner:

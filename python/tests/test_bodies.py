@@ -50,9 +50,7 @@ def icosphere(cuts: int, radius: float = RADIUS, center: Any = CENTER) -> tuple[
     for _ in range(cuts):
         a, b, c = parts.swapaxes(0, 1)
         ab, bc, ca = a + b, b + c, c + a
-        parts = np.concatenate(
-            [np.stack(part, 1) for part in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]
-        )
+        parts = np.concatenate([np.stack(part, 1) for part in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
         parts /= np.linalg.norm(parts, axis=2, keepdims=True)
     unit = parts.reshape(-1, 3) / np.linalg.norm(parts.reshape(-1, 3), axis=1, keepdims=True)
     _, first, index = np.unique(unit.round(9), axis=0, return_index=True, return_inverse=True)
@@ -101,9 +99,7 @@ def test_a_sphere_of_pistons_is_what_least_squares_find() -> None:
     air = {name: reported[name] for name in ("frequency", "sound_speed")}
     for case in reported["cases"]:
         sphere = midair.Sphere(case["center"], case["radius"], case["kind"])
-        array = midair.Array(
-            case["sources"], case["normals"], directivity=case["directivity"], source_pressure=1.0
-        )
+        array = midair.Array(case["sources"], case["normals"], directivity=case["directivity"], source_pressure=1.0)
         found = midair.Scene(array, case["points"], obstacles=[sphere], **air).propagation()
         expected = np.array(case["totals"]) @ [1, 1j]
         assert np.abs(found - expected.T).max() < 1e-5 * np.abs(expected).max()
@@ -191,9 +187,7 @@ def test_responses_and_masks_are_those_of_the_array() -> None:
 
 def test_pictures_show_where_bodies_are() -> None:
     plane = midair.Plane(axis="y", at=0.0, size=0.16, pixels=40, center=(0, 0.1))
-    scene = midair.Scene(
-        midair.Array.grid(6, 5, 10e-3), POINTS[:1], obstacles=[midair.Sphere(CENTER, RADIUS)]
-    )
+    scene = midair.Scene(midair.Array.grid(6, 5, 10e-3), POINTS[:1], obstacles=[midair.Sphere(CENTER, RADIUS)])
     axes: Axes = midair.plot(midair.solve(scene.replace(plane=plane), "fast"))
     circle: Any = axes.patches[0]
     assert (circle.center, round(circle.radius, 6)) == ((0.0, 100.0), 20.0)
@@ -248,9 +242,7 @@ def test_files_of_modellers(tmp_path: Path) -> None:
     assert repr(scene.obstacles) == "[<midair.Mesh of 80 faces, 16 x 16 x 16 mm, soft>]"
     text["obstacles"][0]["file"] = "gone.stl"
     (tmp_path / "scene.json").write_text(json.dumps(text), encoding="utf-8")
-    with pytest.raises(
-        midair.SceneError, match=r'obstacles\[0\].file is "[^"]*gone.stl": there is no such file'
-    ):
+    with pytest.raises(midair.SceneError, match=r'obstacles\[0\].file is "[^"]*gone.stl": there is no such file'):
         midair.Scene.load(tmp_path / "scene.json")
     (tmp_path / "empty.stl").write_bytes(b"solid nothing\nendsolid\n")
     (tmp_path / "text.xyzzy").write_text("no mesh", "utf-8")
@@ -263,13 +255,8 @@ def test_files_of_modellers(tmp_path: Path) -> None:
         midair.Mesh.from_file(tmp_path / "ball.stl", scale=0)
     # A surface is closed even if a texture has seams on it, or if a face has no area.
     corners = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"vt 0.{k} 0.5" for k in range(3 * len(faces))]
-    seams = [
-        "f " + " ".join(f"{v + 1}/{3 * k + c + 1}" for c, v in enumerate(face))
-        for k, face in enumerate(faces)
-    ]
-    (tmp_path / "seams.obj").write_text(
-        "\n".join([*corners, *seams, "f 1/1 1/2 2/3"]) + "\n", encoding="utf-8"
-    )
+    seams = ["f " + " ".join(f"{v + 1}/{3 * k + c + 1}" for c, v in enumerate(face)) for k, face in enumerate(faces)]
+    (tmp_path / "seams.obj").write_text("\n".join([*corners, *seams, "f 1/1 1/2 2/3"]) + "\n", encoding="utf-8")
     assert len(midair.Mesh.from_file(tmp_path / "seams.obj", scale=1e-3).faces) == 80
     (tmp_path / "half.stl").write_bytes((tmp_path / "ball.stl").read_bytes()[:1000])
     for name, reported in [
@@ -347,12 +334,9 @@ def test_memory_is_requested_before_it_is_taken() -> None:
         "midair.Scene(midair.Array.grid(4, 3, 0.01), [[0, 0, 0.145]], obstacles=[test_bodies.ball()])"
     )
     environment = os.environ | {"MIDAIR_MEMORY": "10MB", "PYTHONPATH": str(Path(__file__).parent)}
-    found = subprocess.run(
-        [sys.executable, "-c", code], env=environment, capture_output=True, encoding="utf-8"
-    )
-    assert (
-        "MemoryError: the boundary of the meshes of N = 12 transducers and M = 1280 points needs 0.013 GB"
-        in (found.stderr)
+    found = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, encoding="utf-8")
+    assert "MemoryError: the boundary of the meshes of N = 12 transducers and M = 1280 points needs 0.013 GB" in (
+        found.stderr
     )
 
 

@@ -56,9 +56,7 @@ def test_a_plate_as_thin_as_allowed_has_the_shadow_of_a_thick_one() -> None:
     array = midair.Array.grid(6, 6, 10e-3)
     places = [[0, 0, 0.16], [0.01, 0.005, 0.15]]
     thin, thick = (
-        midair.Scene(
-            array, places, obstacles=[brick([-0.012, -0.012, 0.1], [0.024, 0.024, thickness])]
-        ).propagation()
+        midair.Scene(array, places, obstacles=[brick([-0.012, -0.012, 0.1], [0.024, 0.024, thickness])]).propagation()
         for thickness in (0.3e-3, 1e-3)
     )
     # With faces of a sixth of this size, the fields of the two plates differ by 4 %.
@@ -78,7 +76,5 @@ def test_sound_that_is_left_inside_is_reported(monkeypatch: pytest.MonkeyPatch) 
     from midair._points import boundary
 
     monkeypatch.setattr(boundary, "LEFT", 1e-4)
-    with pytest.raises(
-        midair.SceneError, match=r"elements that lets \d+% of the sound into its inside: mend"
-    ):
+    with pytest.raises(midair.SceneError, match=r"elements that lets \d+% of the sound into its inside: mend"):
         midair.Scene(midair.Array.grid(4, 4, 10e-3), POINTS[:1], obstacles=[ball(1, radius=0.0078)])

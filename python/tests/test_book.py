@@ -40,9 +40,7 @@ def test_a_name_that_is_also_a_files_is_the_functions(reference: ModuleType) -> 
     assert reference.entry("solve").startswith("::: midair.solve\n")
 
 
-def test_a_name_that_is_on_no_page_is_reported(
-    reference: ModuleType, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_name_that_is_on_no_page_is_reported(reference: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(midair, "__all__", [*midair.__all__, "new"])
     with pytest.raises(ValueError, match="new"):
         list(reference.python())
@@ -66,9 +64,7 @@ def test_every_option_is_described(reference: ModuleType) -> None:
         for argument in arguments:
             assert argument.parameter.help, f"midair {name} {argument.name}"
             for option in argument.names:
-                assert re.search(rf"^\* `.*{re.escape(option)}[ ,`].*: \S", section, re.MULTILINE), (
-                    f"{name} {option}"
-                )
+                assert re.search(rf"^\* `.*{re.escape(option)}[ ,`].*: \S", section, re.MULTILINE), f"{name} {option}"
 
 
 def test_every_option_of_every_method_is_described(reference: ModuleType) -> None:

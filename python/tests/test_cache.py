@@ -196,9 +196,7 @@ def test_a_full_disk_is_reported_in_one_line(tmp_path: Path) -> None:
     assert not list(tmp_path.rglob("*.part"))
 
 
-def test_kept_sound_of_a_mesh_with_a_flipped_bit_is_none(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_kept_sound_of_a_mesh_with_a_flipped_bit_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(boundary, "folder", lambda: tmp_path)
     sound = np.full((40, 30), 1 + 2j, np.complex64)
     boundary.store(b"content", sound)
@@ -231,13 +229,9 @@ def test_a_name_that_no_file_can_have_is_refused(name: Any) -> None:
         solved(name)
 
 
-def test_what_is_written_reaches_the_disk_before_its_name(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_written_reaches_the_disk_before_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[str] = []
-    monkeypatch.setattr(
-        output.os, "fsync", lambda handle: seen.append(Path(f"/proc/self/fd/{handle}").resolve().name)
-    )
+    monkeypatch.setattr(output.os, "fsync", lambda handle: seen.append(Path(f"/proc/self/fd/{handle}").resolve().name))
     cache.save(tmp_path / "a.npz", "a", {"x": np.zeros(3)})
     assert [name.endswith(".part") for name in seen] == [True, False]
     assert seen[1] == tmp_path.name

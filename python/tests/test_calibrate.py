@@ -12,9 +12,7 @@ from microphones import BELIEVED, TRUE_SPEED, Rig
 from midair._measuring.fit import _inverse_diagonal
 
 
-def calibrated(
-    rig: Rig, readings: float, decibels: float, phased: bool = False, **keywords: Any
-) -> midair.Calibration:
+def calibrated(rig: Rig, readings: float, decibels: float, phased: bool = False, **keywords: Any) -> midair.Calibration:
     drives = midair.calibration_drives(rig.array, readings, microphones=rig.microphones, seed=rig.seed)
     received = rig.read(drives, decibels, phased)
     return midair.calibrate(rig.array, drives, received, microphones=rig.places, **keywords)
@@ -22,9 +20,7 @@ def calibrated(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [11, 12])
-@pytest.mark.parametrize(
-    ("radius", "decibels", "least"), [(0.0, 40, 0.98), (0.0, 60, 0.99), (4.5e-3, 60, 0.98)]
-)
+@pytest.mark.parametrize(("radius", "decibels", "least"), [(0.0, 40, 0.98), (0.0, 60, 0.99), (4.5e-3, 60, 0.98)])
 def test_four_readings_give_the_array(seed: int, radius: float, decibels: float, least: float) -> None:
     rig = Rig(seed, radius=radius)
     assert rig.kept(rig.array, BELIEVED) < 0.95
@@ -90,9 +86,7 @@ def test_the_pose_of_a_second_board_is_found() -> None:
     believed = rig.array.positions.copy()
     rig.positions[second] += [0.8e-3, -0.5e-3, 1.2e-3]
     drives = midair.calibration_drives(rig.array, 6)
-    found = midair.calibrate(
-        rig.array, drives, rig.read(drives, 60), microphones=rig.places, second_board=second
-    )
+    found = midair.calibrate(rig.array, drives, rig.read(drives, 60), microphones=rig.places, second_board=second)
     assert np.abs(found.pose[:3] - [0.8e-3, -0.5e-3, 1.2e-3]).max() < 0.4e-3
     assert rig.kept(found.array, found.sound_speed) > 0.98
     assert np.array_equal(found.array.positions[:128], believed[:128])
@@ -219,9 +213,7 @@ def test_memory_is_requested_before_it_is_taken(monkeypatch: pytest.MonkeyPatch)
     # 6 matrices of 515 x 515 numbers of 8 bytes are 0.013 GB.
     for given, reported in [("12MB", "0.012"), ("1e3", "0.000"), (" 2 kb ", "0.000"), ("0", "0.000")]:
         monkeypatch.setenv("MIDAIR_MEMORY", given)
-        with pytest.raises(
-            MemoryError, match=rf"needs 0\.013 GB, the limit is {reported} GB: .*MIDAIR_MEMORY"
-        ):
+        with pytest.raises(MemoryError, match=rf"needs 0\.013 GB, the limit is {reported} GB: .*MIDAIR_MEMORY"):
             midair.calibrate(rig.array, drives, received, microphones=rig.places)
     for given in ("lots", "-1", "nan", "1 PB", "MB"):
         monkeypatch.setenv("MIDAIR_MEMORY", given)
@@ -326,9 +318,7 @@ def test_a_wired_array_is_calibrated_by_its_channels() -> None:
     rng = np.random.default_rng(15)
     rows = np.arange(24) // 4
     response = (1 + 0.1 * rng.standard_normal(24)) * np.exp(0.3j * rng.standard_normal(24))
-    believed, real = (
-        midair.Array.grid(4, 6, 10.5e-3, channels=rows, response=own) for own in (None, response)
-    )
+    believed, real = (midair.Array.grid(4, 6, 10.5e-3, channels=rows, response=own) for own in (None, response))
     places = rng.uniform([-0.03, -0.03, 0.06], [0.03, 0.03, 0.12], (5, 3))
     drives = midair.calibration_drives(believed, 8, microphones=5)
     assert drives.shape == (39, 24)
@@ -339,14 +329,10 @@ def test_a_wired_array_is_calibrated_by_its_channels() -> None:
         return np.abs([midair.field(scene, drive, places).pressure for drive in played])
 
     readings = received(real, drives) * (1 + 2e-3 * rng.standard_normal((39, 5)))
-    found = midair.calibrate(
-        believed, drives, readings, microphones=places, sound_speed_error=0, microphones_error=0
-    )
+    found = midair.calibrate(believed, drives, readings, microphones=places, sound_speed_error=0, microphones_error=0)
     others = midair.calibration_drives(believed, 8, microphones=5, seed=1)
     truth = received(real, others)
-    before, after = (
-        np.sqrt(np.mean((received(array, others) - truth) ** 2)) for array in (believed, found.array)
-    )
+    before, after = (np.sqrt(np.mean((received(array, others) - truth) ** 2)) for array in (believed, found.array))
     assert after < 0.1 * before
     with pytest.warns(midair.SceneWarning, match="readings have 22 independent numbers for 24 transducers"):
         midair.calibrate(believed, drives, readings[:, :2], microphones=places[:2])

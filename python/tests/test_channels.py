@@ -38,9 +38,7 @@ def test_a_tinylev_holds_and_moves_a_bead_by_the_phase_between_its_caps(kind: st
         assert abs(between - 4 * np.pi * height / scene.wavelength) < 2 * np.pi / phases + 0.1
 
 
-@pytest.mark.parametrize(
-    "solver", ["uniform", "best", "fast", "greedy", "descent", "bounded", "gspat", "wgs"]
-)
+@pytest.mark.parametrize("solver", ["uniform", "best", "fast", "greedy", "descent", "bounded", "gspat", "wgs"])
 def test_rows_of_a_board_are_solved_as_sums_of_columns(solver: str) -> None:
     channels = np.arange(256) // 16
     array = midair.Array.grid(16, 16, 10.5e-3, channels=channels)

@@ -87,9 +87,7 @@ def test_module_and_script_are_the_same_program() -> None:
     ran = midair_process("solve", "scene.toml")
     assert (ran.returncode, ran.stderr) == (0, "")
     assert "greedy" in ran.stdout
-    version = subprocess.run(
-        [script, "--version"], capture_output=True, encoding="utf-8", timeout=HANG, check=True
-    )
+    version = subprocess.run([script, "--version"], capture_output=True, encoding="utf-8", timeout=HANG, check=True)
     assert version.stdout == midair_process("--version").stdout == midair.__version__ + "\n"
     assert files() == {"scene.toml"}
 
@@ -154,9 +152,7 @@ def test_order_may_be_a_permutation(run: Run) -> None:
     order = [*range(47, -1, -1)]
     status, _, err = run("solve", "scene.toml", "-o", "a.npz", "--order", str(order))
     assert (status, err) == (0, "")
-    assert same_bits(
-        np.load("a.npz")["drive"], midair.solve(midair.Scene.load("scene.toml"), order=order).drive
-    )
+    assert same_bits(np.load("a.npz")["drive"], midair.solve(midair.Scene.load("scene.toml"), order=order).drive)
     Path("two.toml").write_text(
         SCENE.replace("nx = 8, ny = 6", "nx = 2, ny = 1").replace("900", "90"), encoding="utf-8"
     )
@@ -279,9 +275,7 @@ def test_images_count_the_scale_in_and_show_the_quantity_requested(
     figures = []
     monkeypatch.setattr(solve, "write_image", lambda path, figure: figures.append(figure))
     assert run("solve", "weak.toml", "--image", "a.png", "--quantity", quantity)[0] == 0
-    assert (
-        run("compare", "weak.toml", "--solvers", "greedy", "--image", "a.png", "--quantity", quantity)[0] == 0
-    )
+    assert run("compare", "weak.toml", "--solvers", "greedy", "--image", "a.png", "--quantity", quantity)[0] == 0
     with pytest.warns(midair.SceneWarning, match="scale"):
         solution = midair.solve(midair.Scene.load("weak.toml"))
     field = midair.field(solution.scene, solution)
@@ -355,9 +349,7 @@ def test_weak_targets_are_warned_of_in_one_line(run: Run) -> None:
     assert "drive.csv" in files()
 
 
-def test_progress_is_shown_only_of_what_takes_over_a_second(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_progress_is_shown_only_of_what_takes_over_a_second(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn = []
     monkeypatch.setattr(progress.Progress, "start", lambda self: drawn.append(self))
     assert run("solve", "scene.toml")[0] == 0

@@ -202,9 +202,7 @@ def test_text_is_a_scene_too() -> None:
 
 def program(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "midair", *arguments]
-    return subprocess.run(
-        command, capture_output=True, encoding="utf-8", timeout=HANG, check=False, **options
-    )
+    return subprocess.run(command, capture_output=True, encoding="utf-8", timeout=HANG, check=False, **options)
 
 
 @pytest.mark.slow
@@ -223,9 +221,7 @@ def program(*arguments: str, **options: object) -> subprocess.CompletedProcess[s
 )
 def test_streams_may_be_closed_or_full(line: str, status: int) -> None:
     script = f'set -o pipefail; "{sys.executable}" -m midair {line}'
-    ran = subprocess.run(
-        ["bash", "-c", script], capture_output=True, encoding="utf-8", timeout=HANG, check=False
-    )
+    ran = subprocess.run(["bash", "-c", script], capture_output=True, encoding="utf-8", timeout=HANG, check=False)
     assert ran.returncode == status
     assert len(ran.stderr.splitlines()) == (1 if "no" not in line and status == 2 else 0), ran.stderr
     if "drive.csv" in line:
@@ -237,9 +233,7 @@ def test_streams_may_be_closed_or_full(line: str, status: int) -> None:
     "environment",
     [
         {"LC_ALL": "C", "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
-        dict.fromkeys(
-            ["MIDAIR_SIMD", "COLUMNS", "LINES", "TERM", "HOME", "LANG", "NO_COLOR", "FORCE_COLOR"], ""
-        ),
+        dict.fromkeys(["MIDAIR_SIMD", "COLUMNS", "LINES", "TERM", "HOME", "LANG", "NO_COLOR", "FORCE_COLOR"], ""),
         {"TERM": "dumb", "MPLCONFIGDIR": __file__},
         None,
     ],

@@ -34,9 +34,7 @@ def test_tables_are_whole_at_any_width(width: int, monkeypatch: pytest.MonkeyPat
     table = printed.rpartition("left out")[0] or printed.rpartition("columns: ")[0]
     assert max(len(line.rstrip()) for line in table.splitlines()[1:]) <= width
     words = set(printed.split())
-    left = set(
-        printed.partition("left out, because the terminal is narrow: ")[2].partition(";")[0].split(", ")
-    )
+    left = set(printed.partition("left out, because the terminal is narrow: ")[2].partition(";")[0].split(", "))
     assert left <= {"sigma", "residual", "limit", "accuracy", "steps", "time", ""}
     for name, cells in compare_cells(solutions, solvers).items():
         if name not in left:
@@ -81,10 +79,7 @@ def test_a_sentence_reports_an_answer() -> None:
     solution = midair.solve(small(points=[[-0.02, 0, 0.15], [0.02, 0.01, 0.15]]), "uniform")
     got = np.abs(solution.pressures)
     level = 20 * np.log10(got.max() / np.sqrt(2) / 20e-6)
-    assert (
-        sentence(solution)
-        == f"2 points at {got.max():.4g} Pa ({level:.0f} dB) with 64 transducers, even to 0.1 %"
-    )
+    assert sentence(solution) == f"2 points at {got.max():.4g} Pa ({level:.0f} dB) with 64 transducers, even to 0.1 %"
 
 
 def test_a_pdf_and_an_svg_have_fonts_that_journals_take(tmp_path: Path) -> None:
@@ -233,9 +228,7 @@ def test_a_list_continues_on_further_lines(monkeypatch: pytest.MonkeyPatch) -> N
     console = tables._Console(width=50, file=io.StringIO())
     monkeypatch.setattr(tables, "console", console)
     words = "one two three four five six seven eight nine ten eleven"
-    tables.print_list(
-        "presets", {"preset": ["a", "bb"], "transducers": ["7", "12"], "what it is": [words, "x"]}
-    )
+    tables.print_list("presets", {"preset": ["a", "bb"], "transducers": ["7", "12"], "what it is": [words, "x"]})
     rows = [line.split() for line in console.file.getvalue().splitlines()[:-1]]
     assert [word for row in rows for word in row if word in words.split()] == words.split()
     assert max(map(len, console.file.getvalue().splitlines()[:-1])) <= 50

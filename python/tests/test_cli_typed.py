@@ -129,10 +129,7 @@ def test_names_are_typed_as_one_likes(run: Run) -> None:
     line = ["solve", "--preset", "Autd_3", *AT, "--solver", "GREEDY", "--Objective", "L-1", "--json"]
     record = json.loads(run(*line)[1])
     assert (record["solver"], record["options"]["objective"]) == ("greedy", "l1")
-    assert (
-        json.loads(run("solve", "--preset", "autd3", *AT, "--aim", "MAX", "--json")[1])["options"]["aim"]
-        == "max"
-    )
+    assert json.loads(run("solve", "--preset", "autd3", *AT, "--aim", "MAX", "--json")[1])["options"]["aim"] == "max"
     assert [*json.loads(run("solvers", "GS-PAT", "--json")[1])] == ["gspat"]
 
 
@@ -152,9 +149,7 @@ def test_lists_and_one_of_them_in_full(run: Run) -> None:
     solvers = json.loads(run("solvers", "--json")[1])
     assert [*solvers] == [*midair.solvers()]
     for name, info in midair.solvers().items():
-        reported = {
-            option: (about["default"], about["doc"]) for option, about in solvers[name]["options"].items()
-        }
+        reported = {option: (about["default"], about["doc"]) for option, about in solvers[name]["options"].items()}
         assert reported == {option: (about.default, about.doc) for option, about in info.options.items()}
         out = run("solvers", name)[1]
         assert all(f" {option} " in out for option in info.options)
@@ -180,9 +175,7 @@ def test_a_comparison_is_a_table_for_programs_too(run: Run) -> None:
     rows = [*csv.DictReader(Path("table.csv").read_text("utf-8").splitlines())]
     assert [row["solver"] for row in rows] == ["naive", "gs"]
     for row in rows:
-        assert np.isclose(
-            float(row["accuracy"]), midair.solve(scene, row["solver"]).metrics.accuracy, rtol=1e-12
-        )
+        assert np.isclose(float(row["accuracy"]), midair.solve(scene, row["solver"]).metrics.accuracy, rtol=1e-12)
     record = json.loads(run(*line, "--json", "-o", "table.json")[1])
     assert [row["solver"] for row in record["solvers"]] == ["naive", "gs"]
     assert record["bound"] == midair.bound(scene)

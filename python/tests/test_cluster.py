@@ -35,9 +35,7 @@ name = "lm"
 
 def sweep(folder: Path, *arguments: str) -> subprocess.Popen[str]:
     command = [sys.executable, "-m", "midair", "sweep", "sweep.toml", *arguments]
-    return subprocess.Popen(
-        command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8"
-    )
+    return subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8")
 
 
 class Cluster:
@@ -46,9 +44,7 @@ class Cluster:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         file = folder / "scheduler.json"
-        self.processes = [
-            self.start("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", file)
-        ]
+        self.processes = [self.start("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", file)]
         self.until(lambda: file.is_file() and file.stat().st_size > 0)
         self.address = json.loads(file.read_text("utf-8"))["address"]
         host = ["--host", "127.0.0.1", "--nthreads", "1", "--no-nanny", "--local-directory", folder]
@@ -56,9 +52,7 @@ class Cluster:
 
     def start(self, *arguments: object) -> subprocess.Popen[bytes]:
         command = [BIN / "dask", *map(str, arguments), "--no-dashboard"]
-        return subprocess.Popen(
-            command, cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        )
+        return subprocess.Popen(command, cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
     def until(self, there: Callable[[], object]) -> None:
         end = time.monotonic() + HANG
@@ -96,9 +90,7 @@ def test_a_killed_worker_changes_no_number(cluster: Cluster, tmp_path: Path) -> 
 
 
 @pytest.mark.slow
-def test_a_scheduler_that_is_lost_is_one_line_and_keeps_what_is_done(
-    cluster: Cluster, tmp_path: Path
-) -> None:
+def test_a_scheduler_that_is_lost_is_one_line_and_keeps_what_is_done(cluster: Cluster, tmp_path: Path) -> None:
     running = sweep(tmp_path, "--output", "far.csv", "--scheduler", cluster.address)
     cluster.until(lambda: running.poll() is not None or list(tmp_path.glob(".far.csv.chunks/*/*.npz")))
     cluster.processes[0].kill()
@@ -138,8 +130,6 @@ def test_trials_of_faults_are_the_same_on_the_cluster(cluster: Cluster) -> None:
     array = midair.Array.grid(12, 12, 10e-3)
     scene = midair.Scene(array, [[-0.02, 0, 0.12], [0.03, 0.01, 0.12]])
     requested = {"phase": 20, "tilt": 1, "temperature": 5, "trials": 40}
-    near, far = (
-        midair.tolerate(scene, scheduler=address, **requested) for address in (None, cluster.address)
-    )
+    near, far = (midair.tolerate(scene, scheduler=address, **requested) for address in (None, cluster.address))
     assert far.status == "done"
     assert near.to_dict() == far.to_dict()

@@ -156,9 +156,7 @@ def test_ctrl_c_acts_at_any_moment_of_whatever_takes_long(name: str, threads: in
         "PYTHONFAULTHANDLER": "1",
     }
     command = [sys.executable, "-c", program]
-    ran = subprocess.run(
-        command, env=environment, capture_output=True, encoding="utf-8", timeout=HANG * MOMENTS
-    )
+    ran = subprocess.run(command, env=environment, capture_output=True, encoding="utf-8", timeout=HANG * MOMENTS)
     assert ran.returncode == 0, ran.stderr[-2000:]
     late = [float(line) for line in ran.stdout.split()]
     print(f"{name}: at most {max(late):.2f} s of CPU after the signal")

@@ -74,9 +74,7 @@ def test_points_drives_and_fields_of_another_library(other: Any) -> None:
     assert board.encode(drive) == board.encode(solution)
     frames = [other(POINTS + np.array([0.001 * t, 0, 0])) for t in range(3)]
     streamed = list(midair.stream(ARRAY, frames, rate=80.0))
-    np.testing.assert_array_equal(
-        streamed, list(midair.stream(ARRAY, [frame.values for frame in frames], rate=80.0))
-    )
+    np.testing.assert_array_equal(streamed, list(midair.stream(ARRAY, [frame.values for frame in frames], rate=80.0)))
 
 
 SCENE = midair.Scene(ARRAY, POINTS, [800, 600])
@@ -130,25 +128,19 @@ def played(w: Wrap) -> bytes:
 #: Each public function that takes points, pressures, drives, places or other numbers. `w` wraps an array.
 TAKE_ARRAYS: dict[str, Callable[[Wrap], Any]] = {
     "Array": lambda w: (
-        midair.Array(
-            w(FEW.positions), w(FEW.normals), response=w(np.ones(16)), mask=w(np.ones(16) > 0)
-        ).positions
+        midair.Array(w(FEW.positions), w(FEW.normals), response=w(np.ones(16)), mask=w(np.ones(16) > 0)).positions
     ),
     "Array.channels": lambda w: midair.Array(w(FEW.positions), channels=w(np.arange(16))).channels,
     "Array.quantization": lambda w: midair.Array.grid(
         2, 2, 0.01, quantization={"phases": 8, "amplitudes": w(np.array([0.0, 0.5, 1.0]))}
     ).quantization["amplitudes"],
-    "Scene": lambda w: (
-        midair.Scene(ARRAY, w(POINTS), w(np.array([800.0, 600.0])), weights=w(np.ones(2))).points
-    ),
+    "Scene": lambda w: midair.Scene(ARRAY, w(POINTS), w(np.array([800.0, 600.0])), weights=w(np.ones(2))).points,
     "Scene.signature": lambda w: midair.Scene(ARRAY, POINTS, signature=w(ONES + 0j)).propagation(),
     "Scene.replace": lambda w: SCENE.replace(points=w(POINTS), pressures=w(np.ones(2))).points,
     "Wall": lambda w: midair.Wall(w(np.array([0, 0, 1.0])), w(np.array([0, 0, -1.0]))).point,
     "Sphere": lambda w: midair.Sphere(w(np.array([0, 0, 0.1])), 0.01).center,
     "Mesh": lambda w: midair.Mesh(w(TETRAHEDRON), w(FACES)).vertices,
-    "Propagation": lambda w: (
-        midair.solve(midair.Propagation(w(MATRIX)), "naive", pressures=w(np.ones(2))).drive
-    ),
+    "Propagation": lambda w: midair.solve(midair.Propagation(w(MATRIX)), "naive", pressures=w(np.ones(2))).drive,
     "solve": lambda w: midair.solve(SCENE, pressures=w(np.ones(2)), start=w(DRIVE)).drive,
     "Solver": lambda w: midair.Solver(ARRAY)(w(POINTS), w(np.ones(2))).drive,
     "Solver.follow": lambda w: midair.Solver(ARRAY).follow(w(FRAMES), w(np.ones((4, 2)))),
@@ -165,9 +157,7 @@ TAKE_ARRAYS: dict[str, Callable[[Wrap], Any]] = {
     "grad.pressure": lambda w: midair.grad.pressure(SCENE, w(DRIVE), w(POINTS), w(np.ones(2) + 0j)).drive,
     "compare": lambda w: [
         each.drive
-        for each in midair.compare(
-            SCENE, ["naive"], pressures=w(np.ones(2)), weights=w(np.array([1.0, 0.0]))
-        ).solutions
+        for each in midair.compare(SCENE, ["naive"], pressures=w(np.ones(2)), weights=w(np.array([1.0, 0.0]))).solutions
     ],
     "exposure": lambda w: (
         midair.exposure(
@@ -192,9 +182,7 @@ TAKE_ARRAYS: dict[str, Callable[[Wrap], Any]] = {
             steps=2,
         ).drive
     ),
-    "doctor": lambda w: (
-        midair.doctor(FEW, lambda drive: w(read_out(drive)), microphones=w(MICROPHONES)).response
-    ),
+    "doctor": lambda w: midair.doctor(FEW, lambda drive: w(read_out(drive)), microphones=w(MICROPHONES)).response,
     "beam": lambda w: midair.beam(SCENE, w(np.array([0, 0.1, 1.0]))),
     "ear": lambda w: midair.ear(w(np.array([0, 0, 0.1]))).points,
     "sequence": lambda w: midair.sequence(ARRAY, w(FRAMES), rate=1000, pressures=w(np.ones((4, 2)))).drives,
@@ -203,9 +191,7 @@ TAKE_ARRAYS: dict[str, Callable[[Wrap], Any]] = {
     "stream of pairs": lambda w: list(
         midair.stream(ARRAY, [(w(frame), w(np.ones(2))) for frame in FRAMES], rate=1000.0)
     ),
-    "Sequence": lambda w: (
-        midair.Sequence(ARRAY, w(FRAMES), w(np.ones((4, 2))), w(SEQUENCE.drives), rate=1000).drives
-    ),
+    "Sequence": lambda w: midair.Sequence(ARRAY, w(FRAMES), w(np.ones((4, 2))), w(SEQUENCE.drives), rate=1000).drives,
     "Sequence of codes": lambda w: (
         midair.Sequence(
             ARRAY,
@@ -218,16 +204,12 @@ TAKE_ARRAYS: dict[str, Callable[[Wrap], Any]] = {
     ),
     "Sequence.felt": lambda w: SEQUENCE.felt(w(POINTS[0])).values,
     "Solution.modulated": lambda w: SOLUTION.modulated(w(np.linspace(0, 1, 4)), samples_rate=500).drives,
-    "fly": lambda w: (
-        midair.fly(LEVITATING, w(FRAMES[0, :1]), speeds=w(np.zeros((1, 3))), duration=0.004).places
-    ),
+    "fly": lambda w: midair.fly(LEVITATING, w(FRAMES[0, :1]), speeds=w(np.zeros((1, 3))), duration=0.004).places,
     "Skin.spectrum": lambda w: SKIN.spectrum(w(SKIN.places[0])),
     "Skin.along": lambda w: SKIN.along(w(SKIN.places[:2])),
     "Skin.width": lambda w: [SKIN.width(w(SKIN.places[0])), SKIN.focus_width(w(SKIN.places[0]))],
     "Skin.motion": lambda w: SKIN.motion(w(np.array([0.0, 1e-3]))),
-    "haptic": lambda w: (
-        midair.haptic(w(np.array([[-0.01, 0, 0.15], [0.01, 0, 0.15]])), ARRAY, rate=500).strength
-    ),
+    "haptic": lambda w: midair.haptic(w(np.array([[-0.01, 0, 0.15], [0.01, 0, 0.15]])), ARRAY, rate=500).strength,
     "path.circle": lambda w: midair.path.circle(
         w(POINTS[0]), 0.01, normal=w(np.array([0, 0, 1.0])), frequency=5, pressures=w(np.ones(1))
     ).at([0.0]),
@@ -238,9 +220,7 @@ TAKE_ARRAYS: dict[str, Callable[[Wrap], Any]] = {
     ).at([0.0]),
     "path.still": lambda w: midair.path.still(w(POINTS), duration=1).at([0.0]),
     "path.morph": lambda w: midair.path.morph(w(POINTS), w(POINTS[::-1]), duration=1).at([0.5]),
-    "path.from_array": lambda w: midair.path.from_array(w(FRAMES), rate=100, pressures=w(np.ones((4, 2)))).at(
-        [0.0]
-    ),
+    "path.from_array": lambda w: midair.path.from_array(w(FRAMES), rate=100, pressures=w(np.ones((4, 2)))).at([0.0]),
     "Path.at": lambda w: PATH.at(w(np.array([0.0, 0.01]))),
     "Path.modulated": lambda w: PATH.modulated(w(np.linspace(0, 1, 4)), samples_rate=200).frames(1000)[1],
     "path.fastest": lambda w: midair.path.fastest(w(RING), PAIR).duration,

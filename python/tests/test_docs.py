@@ -43,9 +43,7 @@ def test_python_blocks_run(
         pytest.importorskip(EXTRAS[page.name])
     found = blocks(page, "python")
     assert found or page.name != "README.md"
-    printed_blocks = re.findall(
-        r"^```python\n(.*?)^```\n\n```output\n(.*?)^```", page.read_text("utf-8"), re.M | re.S
-    )
+    printed_blocks = re.findall(r"^```python\n(.*?)^```\n\n```output\n(.*?)^```", page.read_text("utf-8"), re.M | re.S)
     outputs = dict(printed_blocks)
     names: dict[str, object] = {}
     for k, block in enumerate(found):
@@ -136,9 +134,7 @@ def test_the_files_that_contributing_names_are_there() -> None:
 
 @pytest.mark.parametrize("page", ["serve.md", "reliability.md"])
 def test_the_tests_that_promises_name_are_there(page: str) -> None:
-    rows = re.findall(
-        r"^\| [^|]+ \| (.*`test_.*) \|$", ROOT.joinpath("docs", page).read_text("utf-8"), re.MULTILINE
-    )
+    rows = re.findall(r"^\| [^|]+ \| (.*`test_.*) \|$", ROOT.joinpath("docs", page).read_text("utf-8"), re.MULTILINE)
     assert len(rows) > 5
     for row in rows:
         files, names = re.findall(r"`(test_\w+\.py)`", row), re.findall(r"`(test_\w+)\.\.\.`", row)

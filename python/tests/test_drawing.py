@@ -94,9 +94,7 @@ pressure = 10
     picture = midair.image(folder / "logo.png", size=0.02, z=0.1, pixels=2)
     assert (scene.points == np.concatenate([[[0, 0, 0.11]], drawing, line, picture.points])).all()
     counts = [1, len(drawing), len(line)]
-    assert scene.pressures == pytest.approx(
-        np.concatenate([np.repeat([10, 30, 0], counts), picture.pressures])
-    )
+    assert scene.pressures == pytest.approx(np.concatenate([np.repeat([10, 30, 0], counts), picture.pressures]))
     assert scene.weights == pytest.approx(np.repeat([1, 3, 1, 1], [*counts, 3]))
     assert scene_files(scene_file) == [scene_file, folder / "logo.svg", folder / "logo.png"]
     # Drawn shapes are saved as points: a saved scene needs no fonts and no drawings.
@@ -187,9 +185,7 @@ def test_the_command_line_solves_compares_and_draws_them(capsys: pytest.CaptureF
     with pytest.raises(SystemExit) as left:
         cli.main(["solve", "scene.toml", "-o", "logo.npz"])
     assert not left.value.code
-    Path("scene.toml").write_text(
-        f"{ARRAY}[shape]\nkind = 'svg'\nfile = 'drive.npz'\nsize = 1\nz = 1\n", "utf-8"
-    )
+    Path("scene.toml").write_text(f"{ARRAY}[shape]\nkind = 'svg'\nfile = 'drive.npz'\nsize = 1\nz = 1\n", "utf-8")
     with pytest.raises(SystemExit) as left:
         cli.main(["solve", "scene.toml", "-o", "drive.npz"])
     assert left.value.code == 2

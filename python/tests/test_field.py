@@ -30,9 +30,7 @@ def test_field_is_indexed_y_x_and_its_plane_includes_both_ends() -> None:
         # Each of the 64 terms is rounded on its own; the error is relative to the focus.
         assert abs(field.pressure[iy, ix] - expected) < 1e-4 * np.abs(field.pressure).max()
     assert field.points is None
-    assert field.radiation == pytest.approx(
-        np.abs(field.pressure.astype(complex)) ** 2 / (1.223 * 340**2), rel=1e-12
-    )
+    assert field.radiation == pytest.approx(np.abs(field.pressure.astype(complex)) ** 2 / (1.223 * 340**2), rel=1e-12)
 
 
 def test_field_takes_points_anywhere() -> None:
@@ -142,12 +140,8 @@ def test_a_solutions_scale_counts_in_field_and_judge() -> None:
     assert real == pytest.approx(loud * solution.scale, rel=1e-4)
     # `judge` of a matrix applies the scale, too; a bare drive has no scale.
     matrix = midair.Propagation(scene.propagation())
-    assert midair.judge(matrix, solution, pressures=16).level == pytest.approx(
-        solution.metrics.level, rel=1e-4
-    )
-    assert midair.judge(scene, solution.drive).level == pytest.approx(
-        solution.metrics.level / solution.scale, rel=1e-4
-    )
+    assert midair.judge(matrix, solution, pressures=16).level == pytest.approx(solution.metrics.level, rel=1e-4)
+    assert midair.judge(scene, solution.drive).level == pytest.approx(solution.metrics.level / solution.scale, rel=1e-4)
     bare = midair.field(scene, solution.drive)
     assert (bare.scale, bare.solution) == (1, None)
 
@@ -155,9 +149,7 @@ def test_a_solutions_scale_counts_in_field_and_judge() -> None:
 def test_a_solution_of_other_transducers_is_refused_in_one_line() -> None:
     solution = midair.solve(midair.Scene(midair.Array.grid(3, 3, 0.01), [[0, 0, 0.1]]), "naive")
     for judged in (midair.field, midair.judge):
-        with pytest.raises(
-            midair.SceneError, match=r"^drive is 9 values: give one for each of the 64 transducers$"
-        ):
+        with pytest.raises(midair.SceneError, match=r"^drive is 9 values: give one for each of the 64 transducers$"):
             judged(small(), solution)
 
 

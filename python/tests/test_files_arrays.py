@@ -61,9 +61,7 @@ def test_a_board_of_openmpd(tmp_path: Path) -> None:
     assert array.quantization["phases"] == 128
     drive = midair.solve(midair.Scene(array, [[0, 0, 0.1]]), "naive").drive
     assert np.flatnonzero(drive == 0).tolist() == [3, 200]
-    other = read_array(
-        path, source_pressure=1.5, directivity="point", quantization={}, mask=np.arange(256) > 9
-    )
+    other = read_array(path, source_pressure=1.5, directivity="point", quantization={}, mask=np.arange(256) > 9)
     assert (other.source_pressure, other.directivity, other.quantization) == (1.5, "point", None)
     assert not other.mask[:10].any()
     assert other.mask[10:].all()
@@ -167,9 +165,7 @@ def test_ultraino_is_turned_upright_and_ordered(tmp_path: Path) -> None:
 
 def test_ultraino_defaults_and_mixed_powers(tmp_path: Path) -> None:
     path = tmp_path / "a.xml"
-    path.write_text(
-        simulation([transducer(k, (0.01 * k, 0, 0), power=None) for k in range(3)]), encoding="utf-8"
-    )
+    path.write_text(simulation([transducer(k, (0.01 * k, 0, 0), power=None) for k in range(3)]), encoding="utf-8")
     assert read_array(path).source_pressure == 2.53
     path.write_text(
         simulation([transducer(k, (0.01 * k, 0, 0), power=2.0 + 2 * (k == 1)) for k in range(3)]),
@@ -185,19 +181,13 @@ def test_ultraino_frequency_and_phase_corrections(tmp_path: Path) -> None:
     path = tmp_path / "a.xml"
     each = [transducer(k, (0.01 * k, 0, 0)) for k in range(2)]
     low = number("frequency", 25e3)
-    path.write_text(
-        simulation([one.replace("</object>", f"{low}</object>") for one in each]), encoding="utf-8"
-    )
+    path.write_text(simulation([one.replace("</object>", f"{low}</object>") for one in each]), encoding="utf-8")
     assert read_array(path).medium["frequency"] == 25e3
-    path.write_text(
-        simulation([each[0].replace("</object>", f"{low}</object>", 1), each[1]]), encoding="utf-8"
-    )
+    path.write_text(simulation([each[0].replace("</object>", f"{low}</object>", 1), each[1]]), encoding="utf-8")
     with pytest.raises(midair.SceneError, match="transducers of 25000 and of 40000 Hz are in it"):
         read_array(path)
     turned = number("phaseCorrection", 1.0)
-    path.write_text(
-        simulation([each[0], each[1].replace("</object>", f"{turned}</object>")]), encoding="utf-8"
-    )
+    path.write_text(simulation([each[0], each[1].replace("</object>", f"{turned}</object>")]), encoding="utf-8")
     with pytest.warns(midair.SceneWarning, match="phaseCorrection of 1 transducer of .* is not read"):
         assert len(read_array(path)) == 2
 
@@ -209,9 +199,7 @@ def test_setters_wrapped_around_other_objects(tmp_path: Path) -> None:
     transform = '<void id="M" property="transform"><void id="V" property="translation"/></void>'
     inner = f'<void class="acousticfield3d.simulation.Transducer" id="T">{transform}</void><void idref="M"/>'
     setting = f'<void method="set">{inner}<object idref="V"/><float>0.07</float></void>'
-    outer = (
-        f'<void class="acousticfield3d.math.Vector3f" method="getField"><string>x</string>{setting}</void>'
-    )
+    outer = f'<void class="acousticfield3d.math.Vector3f" method="getField"><string>x</string>{setting}</void>'
     path = tmp_path / "wrapped.xml"
     path.write_text(f"{HEAD}{outer}{transducer(1, (0, 0, 0.01))}</java>", encoding="utf-8")
     np.testing.assert_allclose(read_array(path).positions, [[0.07, 0, 0], [0, -0.01, 0]])
@@ -220,8 +208,7 @@ def test_setters_wrapped_around_other_objects(tmp_path: Path) -> None:
 def test_handybeam(tmp_path: Path) -> None:
     rows = [(2, 10.47, 0, 1, "B"), (0, -10.47, 0, 1, "A"), (1, 0, 5.235, 1, "X")]
     inside = "".join(
-        f'<Transducer Index="{index}" Xmm="{x}" Ymm="{y}" Zmm="{z}" ABX="{abx}"/>'
-        for index, x, y, z, abx in rows
+        f'<Transducer Index="{index}" Xmm="{x}" Ymm="{y}" Zmm="{z}" ABX="{abx}"/>' for index, x, y, z, abx in rows
     )
     path = tmp_path / "system.xml"
     path.write_text(f"<Renderer><System><Transducers>{inside}</Transducers></System></Renderer>", "utf-8")
@@ -482,14 +469,10 @@ def test_a_table_may_be_in_millimetres(tmp_path: Path) -> None:
     np.save(tmp_path / "mm.npy", 1e3 * places)
     (tmp_path / "mm.json").write_text(json.dumps((1e3 * places).tolist()), "utf-8")
     for name in ("mm.csv", "mm.npy", "mm.json", "named.csv"):
-        assert midair.Array.from_file(tmp_path / name, unit="mm").positions == pytest.approx(
-            places, abs=1e-15
-        )
+        assert midair.Array.from_file(tmp_path / name, unit="mm").positions == pytest.approx(places, abs=1e-15)
         scene = tmp_path / "scene.toml"
         points = 'position = [1, 2, 100]\nunit = "mm"\n'
-        scene.write_text(
-            f'[array]\npositions = {{ file = "{name}" }}\nunit = "mm"\n[[points]]\n{points}', "utf-8"
-        )
+        scene.write_text(f'[array]\npositions = {{ file = "{name}" }}\nunit = "mm"\n[[points]]\n{points}', "utf-8")
         read = midair.Scene.load(scene)
         assert read.array.positions == pytest.approx(places, abs=1e-15)
         assert read.points == pytest.approx(np.array([[1e-3, 2e-3, 0.1]]), abs=1e-15)

@@ -46,9 +46,7 @@ def acoustools_places() -> list[tuple[float, float, bool]]:
 
 def by_place(values: Any, places: list[tuple[float, float, bool]]) -> np.ndarray[Any, Any]:
     """Returns values by position, in the order of the preset's transducers."""
-    known = {
-        (round(x, 2), round(y, 2), top): value for (x, y, top), value in zip(places, values, strict=True)
-    }
+    known = {(round(x, 2), round(y, 2), top): value for (x, y, top), value in zip(places, values, strict=True)}
     array = midair.Array.preset("openmpd_pair")
     rows = zip((array.positions * 1e3).round(2).tolist(), array.normals.tolist(), strict=True)
     return np.array([known[x, y, normal[2] < 0] for (x, y, _), normal in rows])
@@ -77,9 +75,7 @@ def test_holo_holds_32_steps_of_phase_and_amplitude(transducers: int, tmp_path: 
     for (phases, amplitudes), drive in zip(kept, drives, strict=True):
         assert set(phases) <= set(range(33))
         assert set(amplitudes) <= set(range(33))
-        decoded = [
-            a / 32 * np.exp(1j * (p - 16) * 2 * 3.1415 / 32) for p, a in zip(phases, amplitudes, strict=True)
-        ]
+        decoded = [a / 32 * np.exp(1j * (p - 16) * 2 * 3.1415 / 32) for p, a in zip(phases, amplitudes, strict=True)]
         found = by_place(decoded, acoustools_places()) if transducers == 512 else np.array(decoded)
         assert np.abs(np.abs(found) - np.abs(drive)).max() <= 1 / 64 + 1e-6
         turned = np.angle(found * drive.conj())[(np.abs(found) > 0) & (np.abs(drive) > 0)]

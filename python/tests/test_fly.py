@@ -28,9 +28,7 @@ def force(drive: Complex, place: Real) -> Real:
     return traps.force(3.0 * drive, place - POSITIONS)
 
 
-def integrated(
-    sequence: midair.Sequence, times: Real, place: Real, speed: Real, tau: float, steps: int
-) -> Real:
+def integrated(sequence: midair.Sequence, times: Real, place: Real, speed: Real, tau: float, steps: int) -> Real:
     """Returns a bead's places (T, 3) at `times`, by a Runge-Kutta integration that begins at 0 s with `place`
     and `speed`, in `steps` steps from one time to the next. The field approaches the field of each new drive
     with the time constant tau.
@@ -189,9 +187,7 @@ def test_a_motion_that_ends_faster_than_its_trap_can_catch_is_reported() -> None
     path = midair.path.from_array((200 * times**2)[:, None, None] * [1, 0, 0], rate=1e3)
     with (
         pytest.warns(midair.SceneWarning, match="m/s needs .* rad a frame"),
-        pytest.warns(
-            midair.SceneWarning, match=r"point 1 ends at 3\.8 m/s in frame 10, faster than its trap"
-        ),
+        pytest.warns(midair.SceneWarning, match=r"point 1 ends at 3\.8 m/s in frame 10, faster than its trap"),
     ):
         midair.sequence(boards, path, rate=1e3, signature="trap")
 

@@ -130,9 +130,7 @@ def test_meshes_come_in_known_formats(name: str, tmp_path: Path) -> None:
         midair.Mesh.from_file(tmp_path / name)
 
 
-def test_a_mesh_of_more_bytes_than_memory_allows_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_mesh_of_more_bytes_than_memory_allows_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "hand.obj").write_text("v 0 0 0\n" * 100_000, "utf-8")
     monkeypatch.setenv("MIDAIR_MEMORY", "2MB")
     with pytest.raises(midair.SceneError, match=r"it needs 12 MB of 1 allowed"):
@@ -156,9 +154,7 @@ def test_frames_that_a_table_only_claims_are_refused(tmp_path: Path) -> None:
         motion_of(scene)
 
 
-def test_archives_unpack_to_no_more_than_memory_allows(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_archives_unpack_to_no_more_than_memory_allows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "bomb.npz"
     np.savez_compressed(path, **dict.fromkeys(("points", "targets", "drives", "drive"), np.zeros(1 << 21)))
     assert path.stat().st_size < 100_000

@@ -7,9 +7,7 @@ from pathlib import Path
 import pytest
 
 FUZZ = Path(__file__).resolve().parents[2] / "fuzz"
-TARGETS = sorted(
-    path.stem for path in (FUZZ / "python").glob("*.py") if "\nfuzz(test)\n" in path.read_text("utf-8")
-)
+TARGETS = sorted(path.stem for path in (FUZZ / "python").glob("*.py") if "\nfuzz(test)\n" in path.read_text("utf-8"))
 
 
 def test_every_target_is_run_by_make_fuzz() -> None:
@@ -22,7 +20,5 @@ def test_every_target_is_run_by_make_fuzz() -> None:
 @pytest.mark.parametrize("name", TARGETS)
 def test_seeds_and_past_crashes_pass(name: str) -> None:
     script = FUZZ / "python" / f"{name}.py"
-    reported = subprocess.run(
-        [sys.executable, script, "replay"], capture_output=True, encoding="utf-8", timeout=120
-    )
+    reported = subprocess.run([sys.executable, script, "replay"], capture_output=True, encoding="utf-8", timeout=120)
     assert reported.returncode == 0, reported.stderr

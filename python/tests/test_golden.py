@@ -68,9 +68,7 @@ def test_a_board_gets_the_bytes_of_a_motion_under_the_scalar_set(tmp_path: Path)
     motions = sorted(GOLDEN[0].parent.joinpath("motion").glob("*.json"))
     environment = {**os.environ, "MIDAIR_SIMD": "scalar"}
     command = [sys.executable, "-c", PLAYED, *map(str, motions)]
-    done = subprocess.run(
-        command, env=environment, cwd=tmp_path, capture_output=True, check=True, encoding="utf-8"
-    )
+    done = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, check=True, encoding="utf-8")
     for path, line in zip(motions, done.stdout.splitlines(), strict=True):
         assert json.loads(line) == json.loads(path.read_text("utf-8"))["bytes"], path.stem
 

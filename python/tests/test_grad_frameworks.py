@@ -99,9 +99,7 @@ def test_jax_maps_over_drives_in_single_precision() -> None:
 
 
 @pytest.mark.parametrize(("name", "package"), [("torch", "PyTorch"), ("jax", "JAX")])
-def test_what_is_missing_is_named_with_its_extra(
-    name: str, package: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_missing_is_named_with_its_extra(name: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, name, None)
     module = getattr(midair, name)
     if name == "torch":

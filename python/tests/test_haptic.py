@@ -77,9 +77,7 @@ def test_an_ascent_counts_what_the_skin_feels_and_does_not_fall() -> None:
         ARRAY, found.places[strong][:, None], 1.0 * on, found.drives[strong] * on, rate=4e3, closed=True
     )
     felt = midair.skin(played, plane).fast
-    nearest = [
-        int(np.linalg.norm(midair.skin(played, plane).places - place, axis=1).argmin()) for place in curve
-    ]
+    nearest = [int(np.linalg.norm(midair.skin(played, plane).places - place, axis=1).argmin()) for place in curve]
     ratio = felt[nearest] / scores(found, strong)
     assert ratio == pytest.approx(ratio.mean(), rel=0.08)
 
@@ -128,9 +126,7 @@ def test_drives_within_a_limit_are_those_of_the_board() -> None:
     # than the result.
     assert max(found.standards.values()) <= found.strength + 1e-9
     assert found.standards["LM at 100 Hz, 4 foci"] < loud.standards["LM at 100 Hz, 4 foci"]
-    with pytest.raises(
-        midair.SceneError, match=r'limit is 20: the least amplitude of the board gives .* "ear"'
-    ):
+    with pytest.raises(midair.SceneError, match=r'limit is 20: the least amplitude of the board gives .* "ear"'):
         midair.haptic(LINE, array, rate=500, ears=ears, limit=20)
 
 
@@ -234,9 +230,7 @@ def test_samples_modulate_a_board_that_holds_some() -> None:
         assert board.state == "playing"
         with pytest.raises(midair.SceneError, match=r"hz\[1\] is 2.0: give numbers from 0 to 1"):
             board.modulate([0.0, 2.0])
-        with pytest.raises(
-            midair.BoardError, match="modulation of 1 sample: an AUTD3 board holds 2 to 65536"
-        ):
+        with pytest.raises(midair.BoardError, match="modulation of 1 sample: an AUTD3 board holds 2 to 65536"):
             board.modulate([1.0])
     with (
         midair.connect("sonicsurface:loop") as board,
@@ -280,9 +274,7 @@ def test_a_push_is_found_that_presses_more_than_usual_techniques() -> None:
     assert found.technique.startswith("pressure")
     assert "of pressure" in repr(found)
     assert found.gain > 6
-    assert found.pressure == pytest.approx(
-        20 * np.log10(found.skin.pressed[nearest(found, line)].mean()), abs=1
-    )
+    assert found.pressure == pytest.approx(20 * np.log10(found.skin.pressed[nearest(found, line)].mean()), abs=1)
     assert found.strength < max(found.standards.values())
 
 

@@ -35,9 +35,7 @@ def test_a_drive_of_the_preset_is_what_its_lobe_and_air_play(count: int, tiles: 
     for seed in range(3):
         points = places(count, seed)
         solution = midair.solve(midair.Scene(array, points), "best")
-        matrix = oracle.propagation(
-            array.positions, points, directivity="t4010a1", sound_speed=SPEED, absorption=ALPHA
-        )
+        matrix = oracle.propagation(array.positions, points, directivity="t4010a1", sound_speed=SPEED, absorption=ALPHA)
         played = np.abs(matrix @ solution.drive.astype(complex))
         reported = np.abs(solution.pressures)
         assert played.mean() == pytest.approx(reported.mean(), rel=0.01)

@@ -21,9 +21,7 @@ def test_pixels_lie_on_a_grid_with_y_up_and_ask_for_their_brightness(tmp_path: P
     path = saved(tmp_path / "a.png", [[255, 102, 51], [0, 0, 204]])
     picture = midair.image(path, size=0.06, z=0.15, pixels=3, pressure=2000)
     expected = {(-0.02, 0.01): 2000, (0, 0.01): 800, (0.02, 0.01): 400, (0.02, -0.01): 1600}
-    found = {
-        (round(x, 9), round(y, 9)): p for (x, y, _), p in zip(picture.points, picture.pressures, strict=True)
-    }
+    found = {(round(x, 9), round(y, 9)): p for (x, y, _), p in zip(picture.points, picture.pressures, strict=True)}
     assert found == pytest.approx(expected)
     assert (picture.points[:, 2] == 0.15).all()
     assert (picture.weights == 1).all()
@@ -63,16 +61,12 @@ def test_pixels_left_out_are_half_a_wavelength_apart(tmp_path: Path) -> None:
 
 def test_colours_transparency_sixteen_bits_and_turned_photographs(tmp_path: Path) -> None:
     rgba = [[[255, 255, 255, 255], [255, 255, 255, 128], [255, 0, 0, 255], [255, 255, 255, 0]]]
-    picture = midair.image(
-        saved(tmp_path / "a.png", rgba, "RGBA"), size=0.04, z=0.1, pixels=4, pressure=1, quiet=True
-    )
+    picture = midair.image(saved(tmp_path / "a.png", rgba, "RGBA"), size=0.04, z=0.1, pixels=4, pressure=1, quiet=True)
     # Rec. 601: red is 0.299 as bright as white.
     assert picture.pressures == pytest.approx([1, 128 / 255, 0.299, 0], abs=0.004)
     deep = tmp_path / "deep.png"
     Image.fromarray(np.array([[65535, 32768]], np.uint16)).save(deep)
-    assert midair.image(deep, size=0.04, z=0.1, pixels=2, pressure=1).pressures == pytest.approx(
-        [1, 0.5], abs=0.004
-    )
+    assert midair.image(deep, size=0.04, z=0.1, pixels=2, pressure=1).pressures == pytest.approx([1, 0.5], abs=0.004)
     turned = tmp_path / "turned.png"
     picture_on_its_side = Image.fromarray(np.array([[255, 100]], np.uint8))
     exif = Image.Exif()

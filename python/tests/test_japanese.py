@@ -32,10 +32,7 @@ def bare(language: str, block: str) -> str:
 
 
 def pictures(page: Path) -> list[Path]:
-    return [
-        page.parent.joinpath(path).resolve()
-        for path in re.findall(r"!\[.*?\]\((.+?)\)", page.read_text("utf-8"))
-    ]
+    return [page.parent.joinpath(path).resolve() for path in re.findall(r"!\[.*?\]\((.+?)\)", page.read_text("utf-8"))]
 
 
 def rows(page: Path) -> list[list[str]]:

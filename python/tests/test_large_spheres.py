@@ -72,20 +72,12 @@ def test_the_force_is_the_flux_of_momentum(radius: float, places: int) -> None:
     points = rng.uniform(-0.03, 0.03, (places, 3)) + np.array([0, 0, 0.09])
     scene = midair.Scene(BOARD, points)
     for j, point in enumerate(points):
-        drive = (
-            np.exp(2j * np.pi * rng.random(256))
-            if j % 2
-            else midair.solve(scene.replace(points=[point])).drive
-        )
+        drive = np.exp(2j * np.pi * rng.random(256)) if j % 2 else midair.solve(scene.replace(points=[point])).drive
         drive = drive.astype(np.complex64)
-        found = midair.gorkov(
-            scene, drive, [point], bead={"radius": radius, "density": 1e9, "sound_speed": 1e9}
-        )
+        found = midair.gorkov(scene, drive, [point], bead={"radius": radius, "density": 1e9, "sound_speed": 1e9})
         wanted = flux(BOARD.positions, 4.0 * drive.astype(complex), point, radius)
         # Up to lambda/8 the waves above the quadrupole are left out.
-        assert np.linalg.norm(found.force[0] - wanted) < (1e-3 if radius != 1e-3 else 3e-3) * np.linalg.norm(
-            wanted
-        )
+        assert np.linalg.norm(found.force[0] - wanted) < (1e-3 if radius != 1e-3 else 3e-3) * np.linalg.norm(wanted)
         assert np.isnan(found.potential).all() == (radius > WAVELENGTH / 8)
 
 
@@ -109,9 +101,7 @@ def test_force_and_stiffness_do_not_jump_where_the_whole_series_begins(density: 
 def test_what_does_not_fit_is_refused() -> None:
     scene = midair.Scene(BOARD, [[0, 0, 0.02]])
     drive = np.ones(256, np.complex64)
-    with pytest.raises(
-        midair.SceneError, match=r"bead\.radius is 0\.03: give at most 2\.55e-2, three wavelengths"
-    ):
+    with pytest.raises(midair.SceneError, match=r"bead\.radius is 0\.03: give at most 2\.55e-2, three wavelengths"):
         midair.gorkov(scene, drive, bead={"radius": 0.03})
     with pytest.raises(midair.SceneError, match=r"points\[0\] .* leave 2\.2e-2 m for the sphere"):
         midair.gorkov(scene, drive, bead={"radius": 0.0219})

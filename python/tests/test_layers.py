@@ -51,6 +51,7 @@ LAYERS = (
 UPWARD = {
     ("midair._sequence.sequence", "midair._judging.exposure"): "a method, loaded at its first use",
     ("midair.path._optimal", "midair._flight.fly"): "it simulates the fastest run, loaded at its first use",
+    ("midair.path._optimal", "midair._sequence.frames"): "as `_flight.fly`",
     ("midair.path._optimal", "midair._sequence.solve"): "as `_flight.fly`",
 }
 
@@ -156,9 +157,7 @@ def circle(uses: dict[str, set[str]]) -> list[str]:
 def sources() -> dict[str, str]:
     files = sorted(PACKAGE.rglob("*.py"))
     return {
-        ".".join(("midair", *file.relative_to(PACKAGE).with_suffix("").parts)): file.read_text(
-            encoding="utf-8"
-        )
+        ".".join(("midair", *file.relative_to(PACKAGE).with_suffix("").parts)): file.read_text(encoding="utf-8")
         for file in files
     }
 

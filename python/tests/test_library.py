@@ -218,14 +218,9 @@ def test_propagation_is_eq_5_for_tilted_transducers_of_any_response(
     scene = midair.Scene(array, points, frequency=41e3, sound_speed=345.0, absorption=absorption)
     model = {"response": response, "frequency": 41e3, "sound_speed": 345.0, "absorption": absorption}
     bare = {"piston": ("piston", 4.5e-3), "sinc": ("sinc", 9e-3), "cos": ("cos", 3.376)}
-    if isinstance(directivity, dict):
-        pattern = next(iter(directivity.items()))
-    else:
-        pattern = bare.get(directivity, directivity)
+    pattern = next(iter(directivity.items())) if isinstance(directivity, dict) else bare.get(directivity, directivity)
     unit = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-    expected = oracle.propagation(
-        positions, points, normals=unit, source_pressure=2.0, directivity=pattern, **model
-    )
+    expected = oracle.propagation(positions, points, normals=unit, source_pressure=2.0, directivity=pattern, **model)
     scale = np.abs(oracle.propagation(positions, points, source_pressure=2.0, **model))
     found = scene.propagation()
     assert (np.abs(found - expected) <= GAIN * scale).all()
@@ -259,9 +254,7 @@ def test_propagation_is_accurate_at_every_angle_or_refused(directivity: dict, fr
     except midair.SceneError:
         assert directivity != {"piston": 0.05}, "ten times a real transducer is no slip of the pen"
         return
-    expected = oracle.propagation(
-        [[0, 0, 0]], points, directivity=next(iter(directivity.items())), frequency=frequency
-    )
+    expected = oracle.propagation([[0, 0, 0]], points, directivity=next(iter(directivity.items())), frequency=frequency)
     # Only moduli are compared: at 4 MHz, 0.1 m is as many wavelengths as 10 m at 40 kHz, too many for f32
     # phases.
     assert np.abs(np.abs(found) - np.abs(expected)).max() <= GAIN * 4.386 / 0.1
@@ -355,9 +348,7 @@ def test_a_saved_grid_preset_solver_and_plane_come_back(tmp_path, ending: str) -
 def test_a_scalar_stands_for_all_points_and_integers_are_numbers() -> None:
     scene = small(pressures=1000, weights=np.float32(2))
     assert (scene.pressures.tolist(), scene.weights.tolist()) == ([1000] * 4, [2] * 4)
-    ints = midair.Scene(
-        midair.Array(np.zeros((1, 3), dtype=np.int8)), [[0, 0, 1], [1, 0, 1]], pressures=[1, 2]
-    )
+    ints = midair.Scene(midair.Array(np.zeros((1, 3), dtype=np.int8)), [[0, 0, 1], [1, 0, 1]], pressures=[1, 2])
     assert ints.points.dtype == np.float64
     columns = np.asfortranarray(np.array(POINTS))
     assert np.array_equal(small(points=columns[::2]).points, np.array(POINTS)[::2])

@@ -14,9 +14,7 @@ pytestmark = pytest.mark.skipif(shutil.which("make") is None, reason="make is mi
 
 def make(*arguments: str) -> subprocess.CompletedProcess[str]:
     # If make runs these tests, the inner make must not inherit the options of the outer one.
-    alone = {
-        name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS")
-    }
+    alone = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS")}
     return subprocess.run(["make", *arguments], cwd=ROOT, capture_output=True, encoding="utf-8", env=alone)
 
 

@@ -52,9 +52,7 @@ except MemoryError as error:
 
 def run(code: str, **environment: str) -> str:
     """Returns the output of code that runs in a process with 3 GiB of address space."""
-    program = (
-        "import resource; resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30))\n" + PROGRAM.format(code)
-    )
+    program = "import resource; resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30))\n" + PROGRAM.format(code)
     ran = subprocess.run(
         [sys.executable, "-c", program],
         env=os.environ | environment,

@@ -125,9 +125,7 @@ def test_a_rotation_is_an_axis_a_quaternion_or_a_matrix(tmp_path: Path) -> None:
 
 
 def test_a_sheet_is_told_what_to_use_instead(tmp_path: Path) -> None:
-    sheet = trimesh.Trimesh(
-        [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]], process=False
-    )
+    sheet = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]], process=False)
     stream = io.BytesIO()
     sheet.export(stream, file_type="stl")
     with pytest.raises(midair.SceneError, match="for a sheet give a thin box, or a wall if it is large"):

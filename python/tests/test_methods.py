@@ -51,9 +51,7 @@ def solver(name: str, **options):
     return lambda where, seed: midair.solve(where, name, balance=False, **options)
 
 
-@pytest.mark.parametrize(
-    "count", [2, 4, 8, *(pytest.param(count, marks=pytest.mark.slow) for count in (16, 32, 64))]
-)
+@pytest.mark.parametrize("count", [2, 4, 8, *(pytest.param(count, marks=pytest.mark.slow) for count in (16, 32, 64))])
 @pytest.mark.parametrize("name", DIRECT)
 def test_direct_methods_are_the_reference(name: str, count: int) -> None:
     reference = getattr(methods, name)
@@ -65,9 +63,7 @@ def test_direct_methods_are_the_reference(name: str, count: int) -> None:
 @pytest.mark.parametrize("name", ["tikhonov", pytest.param("evd", marks=pytest.mark.slow), "gspat"])
 def test_every_limit_is_the_reference(name: str, limit: str) -> None:
     reference = getattr(methods, name)
-    ours, theirs = means(
-        16, range(20), solver(name, limit=limit), lambda G, t, seed: reference(G, t, limit=limit)
-    )
+    ours, theirs = means(16, range(20), solver(name, limit=limit), lambda G, t, seed: reference(G, t, limit=limit))
     assert ours == pytest.approx(theirs, abs=0.005)
 
 
@@ -141,8 +137,7 @@ def test_lm_makes_sixty_four_points_even() -> None:
 def test_the_order_of_fig_3_holds(count: int) -> None:
     names = ("lm", "greedy", "gspat", "evd", "sdp")
     mean = {
-        name: np.mean([midair.solve(scene(count, seed), name).metrics.accuracy for seed in range(20)])
-        for name in names
+        name: np.mean([midair.solve(scene(count, seed), name).metrics.accuracy for seed in range(20)]) for name in names
     }
     assert mean["lm"] > mean["greedy"] > mean["gspat"] > max(mean["evd"], mean["sdp"])
 

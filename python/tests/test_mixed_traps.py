@@ -77,9 +77,7 @@ def test_without_pressures_foci_are_as_loud_as_before_and_beads_rest_at_their_po
         equal = midair.solve(scene, pressures=1000.0, aim="max")
         solution = midair.solve(scene)
         found, before = Field(solution.drive), Field(equal.drive)
-        assert abs(found.pressure(points[1:2])[0]) == pytest.approx(
-            abs(before.pressure(points[1:2])[0]), rel=2e-3
-        )
+        assert abs(found.pressure(points[1:2])[0]) == pytest.approx(abs(before.pressure(points[1:2])[0]), rel=2e-3)
         assert found.softest(points[::2]) > 1.05 * before.softest(points[::2])
         assert found.apart(points[::2]) < 0.02e-3 < before.apart(points[::2])
 

@@ -81,9 +81,7 @@ def test_play_and_motion_play_the_same_traps(tmp_path: Path) -> None:
     played, solved = drives(tmp_path, text)
     np.testing.assert_array_equal(played, solved)
     moving = read(tmp_path, text)
-    sequence = midair.sequence(
-        moving.scene.array, moving.path, rate=1000, change=0.5, signature="trap", aim="max"
-    )
+    sequence = midair.sequence(moving.scene.array, moving.path, rate=1000, change=0.5, signature="trap", aim="max")
     np.testing.assert_array_equal(played, sequence.drives)
     assert not np.array_equal(played, drives(tmp_path, SCENE)[0])
 
@@ -181,9 +179,7 @@ def test_a_mistake_is_reported_in_its_own_line(tmp_path: Path, name: str, text: 
         ("change = 0.5", "ahead = -2", "line 10, column 9: motion.ahead is -2: give"),
     ],
 )
-def test_a_refused_value_of_motion_is_reported_in_its_line(
-    tmp_path: Path, was: str, now: str, fault: str
-) -> None:
+def test_a_refused_value_of_motion_is_reported_in_its_line(tmp_path: Path, was: str, now: str, fault: str) -> None:
     with pytest.raises(midair.SceneError) as refusal:
         read(tmp_path, SCENE.replace(was, now))
     assert str(refusal.value).startswith(f"{tmp_path / 'scene.toml'}, {fault}")
@@ -206,9 +202,7 @@ def test_json_and_toml_of_one_motion_are_the_same(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_scene_that_rests_is_no_motion(tmp_path: Path) -> None:
-    (tmp_path / "a.toml").write_text(
-        "[array]\npreset = 'autd3'\n[[points]]\nposition = [0, 0, 0.15]\n", "utf-8"
-    )
+    (tmp_path / "a.toml").write_text("[array]\npreset = 'autd3'\n[[points]]\nposition = [0, 0, 0.15]\n", "utf-8")
     assert motion_of(tmp_path / "a.toml") is None
     run = command("motion", str(tmp_path / "a.toml"))
     assert "has no [motion]" in run.stderr

@@ -70,8 +70,7 @@ def test_an_open_sequence_of_traps_known_in_advance_is_stiffer_than_foci_and_can
         assert moved.metrics.largest_change <= np.pi / 8 * (1 + 1e-5)
     for t in (0, 13, 26, 39):
         softest = [
-            np.linalg.eigvalsh(midair.gorkov(moved.scene(t), moved.drives[t]).hessian).min()
-            for moved in (stiff, foci)
+            np.linalg.eigvalsh(midair.gorkov(moved.scene(t), moved.drives[t]).hessian).min() for moved in (stiff, foci)
         ]
         assert softest[0] > softest[1]
 
@@ -218,9 +217,7 @@ def test_traps_are_made_for_the_bead_of_the_scene() -> None:
     felt = midair.gorkov(scene, other.drive)
     reported = midair.gorkov(scene.replace(bead={}), other.drive, bead=bead)
     assert felt == reported
-    assert np.array_equal(
-        midair.Solver(array, signature="trap", bead=bead)(points).drive, midair.solve(scene).drive
-    )
+    assert np.array_equal(midair.Solver(array, signature="trap", bead=bead)(points).drive, midair.solve(scene).drive)
     for bad, match in (
         ({"radius": 0}, "bead.radius is 0"),
         ({"weight": 1}, 'key of bead "weight"'),

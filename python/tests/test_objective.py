@@ -50,9 +50,7 @@ def test_each_choice_is_the_best_of_its_turn() -> None:
         chosen = np.abs(pressures - later.mean(axis=0)).max(axis=1).argmin()
         assert costs[chosen] <= costs.min() + 1e-6 * costs.max()
     final = turns[-1][0]
-    np.testing.assert_allclose(
-        np.abs(final - solution.pressures).max(axis=1).min(), 0, atol=1e-3 * np.abs(final).max()
-    )
+    np.testing.assert_allclose(np.abs(final - solution.pressures).max(axis=1).min(), 0, atol=1e-3 * np.abs(final).max())
 
 
 def test_a_level_of_the_worst_point_is_evener_than_squares() -> None:

@@ -72,9 +72,7 @@ def test_a_wall_is_the_sum_of_images(kind: Any, sign: float) -> None:
     places = np.array([[0.03, 0.01, 0.1], [0.05, 0.0, 0.1]])
     stiffness = midair.gorkov(scene, drive, places).hessian
     away = 1e-6 * np.eye(3)
-    up, down = (
-        midair.gorkov(scene, drive, (places[:, None] + s * away).reshape(-1, 3)).force for s in (1, -1)
-    )
+    up, down = (midair.gorkov(scene, drive, (places[:, None] + s * away).reshape(-1, 3)).force for s in (1, -1))
     slope = (up - down).reshape(2, 3, 3) / 2e-6
     assert np.allclose(stiffness, -(slope + slope.swapaxes(1, 2)) / 2, rtol=1e-5, atol=1e-9)
 
@@ -225,9 +223,7 @@ def test_more_points_than_are_kept_are_refused_and_a_sequence_of_them_is_not() -
     path = np.tile([0, 0, 0.15], (3000, 1, 1))
     path[:, 0, 0] = np.linspace(-0.01, 0.01, 3000)
     scene = midair.Scene(board, path[:, 0], obstacles=[midair.Wall([0.12, 0, 0], [1, 0, 0])])
-    with pytest.raises(
-        midair.SceneError, match="points is 3000 of them: with obstacles G is kept: give at most 2621"
-    ):
+    with pytest.raises(midair.SceneError, match="points is 3000 of them: with obstacles G is kept: give at most 2621"):
         scene.propagation()
     drives = np.ones((3000, 400), np.complex64)
     sequence = midair.Sequence(board, path, np.ones((3000, 1)), drives, rate=1e3, obstacles=scene.obstacles)

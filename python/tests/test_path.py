@@ -64,9 +64,7 @@ def test_a_circle_of_whole_turns_closes(turns: float, closed: bool) -> None:
     assert len(points) == round(200 * turns) + (not closed)
     if not closed:
         angle = 2 * math.pi * turns
-        assert points[-1, 0] == pytest.approx(
-            [0.01 + 0.02 * math.cos(angle), -0.02 + 0.02 * math.sin(angle), Z]
-        )
+        assert points[-1, 0] == pytest.approx([0.01 + 0.02 * math.cos(angle), -0.02 + 0.02 * math.sin(angle), Z])
 
 
 def test_a_line_ends_where_it_is_reported_or_comes_back() -> None:
@@ -192,9 +190,7 @@ def test_an_array_is_met_at_its_frames_and_straight_between() -> None:
         between = given.at([0.003 * 2.25])[0]
         assert between == pytest.approx(0.75 * frames[2] + 0.25 * frames[3])
         assert given.targets([0.003 * 2.25])[0] == pytest.approx(0.75 * pressures[2] + 0.25 * pressures[3])
-        assert given.speed([0.003 * 2.25])[0] == pytest.approx(
-            np.linalg.norm(frames[3] - frames[2], axis=1) / 3e-3
-        )
+        assert given.speed([0.003 * 2.25])[0] == pytest.approx(np.linalg.norm(frames[3] - frames[2], axis=1) / 3e-3)
         last = given.at([0.003 * 6.5])[0]
         assert last == pytest.approx((frames[6] + frames[0]) / 2 if closed else frames[6])
 

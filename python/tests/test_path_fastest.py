@@ -152,9 +152,7 @@ def test_no_constant_speed_of_the_same_top_speed_and_force_is_faster(name: str) 
         """Returns the largest part of a trap's force along the curve, by the same ellipsoid."""
         needed = SCENE._needed(speed * tangents, speed**2 * bends)
         parts = [
-            np.linalg.norm(
-                needed[k : k + 8] @ (trap.axes[0] / trap.restoring[0].min(axis=1)[:, None]).T, axis=1
-            )
+            np.linalg.norm(needed[k : k + 8] @ (trap.axes[0] / trap.restoring[0].min(axis=1)[:, None]).T, axis=1)
             for k, trap in zip(looked, held, strict=True)
         ]
         return float(np.concatenate(parts).max())

@@ -135,9 +135,7 @@ def test_the_command_line_tells_in_one_line(tmp_path: Path, capsys: pytest.Captu
     assert left.value.code == 3
     reported = [line for line in capsys.readouterr().err.splitlines() if line.startswith("warning: ")]
     assert len(reported) == 2
-    assert reported[0].startswith(
-        "warning: array.grid.pitch is 10.5 m: no neighbours within five wavelengths"
-    )
+    assert reported[0].startswith("warning: array.grid.pitch is 10.5 m: no neighbours within five wavelengths")
     assert reported[1].startswith("warning: plane.z is 150 m: give m (150 mm are 0.15 m)")
 
 
@@ -151,9 +149,7 @@ def test_an_array_far_from_the_origin_is_as_precise(shift: float) -> None:
 
 
 def test_a_kilometre_away_is_refused() -> None:
-    with pytest.raises(
-        midair.SceneError, match=r"points\[0\].position is \[0.0, 0.0, 1000.0\]: bring it within"
-    ):
+    with pytest.raises(midair.SceneError, match=r"points\[0\].position is \[0.0, 0.0, 1000.0\]: bring it within"):
         midair.Scene(ARRAY, [[0, 0, 1e3]])
     apart = np.concatenate([ARRAY.positions, ARRAY.positions + np.array([0, 1e3, 0])])
     with pytest.raises(midair.SceneError, match=r"array.positions\[0\] is .*: bring it within"):

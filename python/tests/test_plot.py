@@ -108,9 +108,7 @@ def test_an_upright_picture_names_its_axes() -> None:
         (4.386, "phase", "phase of p / rad", 1),
     ],
 )
-def test_plot_says_what_its_colours_mean(
-    source_pressure: float, quantity: str, label: str, factor: float
-) -> None:
+def test_plot_says_what_its_colours_mean(source_pressure: float, quantity: str, label: str, factor: float) -> None:
     scene = small(points=[[0, 0, 0.15]], source_pressure=source_pressure)
     field = midair.field(scene, midair.solve(scene, "naive"))
     ax = midair.plot(field, quantity=quantity)
@@ -127,9 +125,7 @@ def test_plot_says_what_its_colours_mean(
         # The pressure is interpolated to four times as many samples; its phase fades out where it is faint.
         loud, near = pressure > 0.3 * pressure.max(), np.asarray(image)[1::4, 1::4]
         assert np.abs(np.angle(np.exp(1j * (near - expected))))[loud].max() < 0.3
-        assert ax.images[0].get_alpha()[1::4, 1::4] == pytest.approx(
-            np.sqrt(pressure / pressure.max()), abs=0.1
-        )
+        assert ax.images[0].get_alpha()[1::4, 1::4] == pytest.approx(np.sqrt(pressure / pressure.max()), abs=0.1)
     else:
         assert np.asarray(image) == pytest.approx(expected * factor, rel=1e-5)
     low, high = ax.images[0].get_clim()
@@ -154,9 +150,7 @@ def test_plot_of_silence_and_of_a_given_top_have_a_scale() -> None:
 def test_a_transducer_in_the_picture_does_not_black_out_the_rest() -> None:
     scene = small(points=[[0, 0.005, 0.06], [0.01, 0.005, 0.08]])
     solution = midair.solve(scene, "uniform")
-    field = midair.field(
-        scene, solution, midair.Plane(axis="y", at=0.005, size=0.16, pixels=161, center=(0, 0.07))
-    )
+    field = midair.field(scene, solution, midair.Plane(axis="y", at=0.005, size=0.16, pixels=161, center=(0, 0.07)))
     ax = midair.plot(field)
     top = kilo(ax.figure) * ax.images[0].get_clim()[1]
     assert np.abs(field.pressure).max() > 5 * top
@@ -240,9 +234,7 @@ def test_a_sheet_shares_axes_and_a_scale_that_no_method_alone_sets() -> None:
 
 @pytest.mark.slow
 def test_a_sheet_has_a_row_a_solver_where_points_lie_in_several_planes() -> None:
-    table = midair.compare(
-        small(points=[[0, 0, 0.1], [0.02, 0.01, 0.15]], pressures=1000), ["naive", "uniform"]
-    )
+    table = midair.compare(small(points=[[0, 0, 0.1], [0.02, 0.01, 0.15]], pressures=1000), ["naive", "uniform"])
     figure = table.plot(quantity="radiation")
     panels = [panel for one in table for panel in midair.field(one.scene, one).panels]
     assert len(panels) == 4

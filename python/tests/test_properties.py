@@ -11,9 +11,7 @@ import midair
 from scenes import usable
 
 # The same examples in every run, so that a failure can be repeated.
-steady = settings(
-    max_examples=150, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow]
-)
+steady = settings(max_examples=150, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 numbers = st.floats(-0.06, 0.06, allow_subnormal=False)
 heights = st.floats(-0.05, 0.25, allow_subnormal=False)
 names = st.sampled_from(sorted(midair.solvers()))

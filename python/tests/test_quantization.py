@@ -148,9 +148,7 @@ def test_what_no_device_has_is_refused_in_one_line(keywords: dict[str, Any], sai
     assert "\n" not in str(error.value)
 
 
-def test_the_command_line_tells_of_the_scale_and_records_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_line_tells_of_the_scale_and_records_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     scene = midair.Scene(board(quantization={"phases": 256, "amplitudes": [0, 1]}), POINTS, 100.0)
     scene.save(tmp_path / "scene.toml")
     drive = tmp_path / "drive.npz"

@@ -103,9 +103,7 @@ def test_requests_near_the_balanced_level_are_nobodys_mistake() -> None:
         midair.solve(small(pressures=part * small().reach().level), "naive")
 
 
-def test_compare_shows_how_far_the_best_is_from_the_bound(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_compare_shows_how_far_the_best_is_from_the_bound(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     scene = small(pressures=[300, 200, 0, 250], weights=[1, 1, 1, 0])
     path = tmp_path / "scene.toml"
     scene.save(path)

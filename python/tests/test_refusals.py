@@ -211,9 +211,7 @@ def test_vector_that_is_not_finite_or_far_away_is_named_by_its_index(axis: int, 
         refused(lambda: scene(array=midair.Array(vectors)), "array.positions[0]")
 
 
-@pytest.mark.parametrize(
-    "bad", ["text", "bool", "list of None", "too many", "scalar", "NaN", "infinite", "1e300"]
-)
+@pytest.mark.parametrize("bad", ["text", "bool", "list of None", "too many", "scalar", "NaN", "infinite", "1e300"])
 def test_response_is_refused_by_name(bad: str) -> None:
     more = {"too many": [1, 1], "scalar": 1, "NaN": [NAN], "infinite": [complex(0, INF)], "1e300": [1e300]}
     refused(lambda: midair.Array([[0, 0, 0]], response=(NO_NUMBER | more)[bad]), "response")
@@ -224,9 +222,7 @@ def test_normals_need_a_direction_and_a_transducer_each() -> None:
     refused(lambda: midair.Array(np.zeros((2, 3)), [[0, 0, 1]]), "array.normals", "2 positions")
 
 
-@pytest.mark.parametrize(
-    "bad", [0, -1, 2.0, NAN, "2", None, True, [2], 2**20 + 1, 10**30, np.True_, 1j], ids=repr
-)
+@pytest.mark.parametrize("bad", [0, -1, 2.0, NAN, "2", None, True, [2], 2**20 + 1, 10**30, np.True_, 1j], ids=repr)
 def test_counts_are_refused_by_name(bad: object) -> None:
     for item in ("nx", "ny"):
         given = {"nx": 2, "ny": 2, "pitch": 0.01, item: bad}

@@ -28,9 +28,7 @@ def received(call: Callable[[], object]) -> list[str]:
 def test_a_batch_tells_each_kind_once_with_counts() -> None:
     points = np.broadcast_to(POINTS, (5, 2, 3))
     batches = []
-    texts = received(
-        lambda: batches.append(midair.solve_batch(ARRAY, points, PRESSURES, "wgs", balance=False))
-    )
+    texts = received(lambda: batches.append(midair.solve_batch(ARRAY, points, PRESSURES, "wgs", balance=False)))
     assert len(texts) == 2
     assert texts[0].startswith("in 2 of 5 problems, worst in problems[1]: points[0].pressure is 800.000 Pa")
     assert texts[1].startswith("in 1 of 5 problems, worst in problems[4]: targets are 6.1e-3 of the")
@@ -124,9 +122,7 @@ def test_a_solve_a_solver_and_a_batch_give_the_same_warnings_in_the_same_order()
     array, points = midair.Array.preset("sonicsurface"), np.array([[0, 0, 0.12], [0.02, 0, 0.12]])
     first = midair.solve(midair.Scene(array, points), "glide")
     asked = np.array([1e5, 1e5])
-    texts = received(
-        lambda: midair.solve(midair.Scene(array, points, asked), "glide", change=0.05, start=first)
-    )
+    texts = received(lambda: midair.solve(midair.Scene(array, points, asked), "glide", change=0.05, start=first))
     assert "beyond reach" in texts[0]
     (still,) = (text for text in texts if "less than a step of the board's 32 phases" in text)
     solver = midair.Solver(array, "glide", change=0.05)

@@ -54,9 +54,7 @@ def faults(value: Any, wanted: dict[str, Any], path: str = "") -> list[str]:
 
 def documents() -> list[tuple[str, str]]:
     """Returns the scene files of docs/scenes and those in the pages, with their names."""
-    found = [
-        (file.name, file.read_text("utf-8")) for file in sorted((ROOT / "docs" / "scenes").glob("*.toml"))
-    ]
+    found = [(file.name, file.read_text("utf-8")) for file in sorted((ROOT / "docs" / "scenes").glob("*.toml"))]
     for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
         blocks = re.findall(r"^```toml\n(.*?)^```", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
         scenes = [block for block in blocks if "[array]" in block and "[[solver]]" not in block]
@@ -83,9 +81,7 @@ def test_scene_files_fit(name: str, text: str) -> None:
 
 def sweeps() -> list[tuple[str, str]]:
     """Returns the sweep files of docs/sweeps and those in the pages, with their names."""
-    found = [
-        (file.name, file.read_text("utf-8")) for file in sorted((ROOT / "docs" / "sweeps").glob("*.toml"))
-    ]
+    found = [(file.name, file.read_text("utf-8")) for file in sorted((ROOT / "docs" / "sweeps").glob("*.toml"))]
     for page in sorted((ROOT / "docs").rglob("*.md")):
         blocks = re.findall(r"^```toml\n(.*?)^```", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
         found += [(f"{page.name}, {k + 1}", block) for k, block in enumerate(blocks) if "[[solver]]" in block]

@@ -202,9 +202,7 @@ def test_a_bound_below_a_phase_step_is_reported_once():
             warnings.simplefilter("always")
             ask()
         assert len(reported) == 1
-        assert "less than a step of the board's 10 phases, 0.628 rad: no phase changes" in str(
-            reported[0].message
-        )
+        assert "less than a step of the board's 10 phases, 0.628 rad: no phase changes" in str(reported[0].message)
 
 
 def test_the_speed_limit_is_that_of_whole_phase_steps():
@@ -215,9 +213,7 @@ def test_the_speed_limit_is_that_of_whole_phase_steps():
     ):
         midair.sequence(coarse, line, rate=RATE)
     jump = midair.path.line([-0.06, 0, 0.15], [0.06, 0, 0.15], speed=30.0)
-    with pytest.warns(
-        midair.SceneWarning, match=r"needs .* allowed: the level falls; rate = [\d.]+ kHz would do"
-    ):
+    with pytest.warns(midair.SceneWarning, match=r"needs .* allowed: the level falls; rate = [\d.]+ kHz would do"):
         midair.sequence(midair.Array.grid(8, 8, 10e-3), jump, rate=1e3)
 
 
@@ -236,9 +232,7 @@ def test_a_jump_from_the_last_frame_to_the_first_is_reported_of_closed_paths() -
 
 
 def test_a_time_constant_of_more_than_a_thousand_frames_is_refused() -> None:
-    with pytest.raises(
-        midair.SceneError, match=r"^tau is 0\.2: give at most 1e-1 s, the time of 1000 frames"
-    ):
+    with pytest.raises(midair.SceneError, match=r"^tau is 0\.2: give at most 1e-1 s, the time of 1000 frames"):
         midair.Solver(midair.Array.grid(3, 3, 0.01), "glide", tau=0.2, rate=1e4)
 
 
@@ -355,9 +349,7 @@ def test_the_command_writes_what_it_is_requested(tmp_path: Path):
 @pytest.mark.slow
 def test_the_command_writes_a_closed_sequence(tmp_path: Path):
     scene, out = tmp_path / "orbit.toml", tmp_path / "orbit.npz"
-    scene.write_text(
-        SCENE.replace("change = 0.2", 'change = 0.2\nclosed = true\nahead = "all"'), encoding="utf-8"
-    )
+    scene.write_text(SCENE.replace("change = 0.2", 'change = 0.2\nclosed = true\nahead = "all"'), encoding="utf-8")
     done = ran(scene, "-o", out)
     assert done.returncode == 0, done.stderr
     assert midair.Sequence.load(out).closed
@@ -413,9 +405,7 @@ def test_tracks_over_the_whole_sequence_close_without_a_seam(board):
     assert max(found.metrics.seam, found.metrics.largest_change) <= np.pi / 16 + 1e-6
     assert found.metrics.uniformity > 0.99
     assert steps[-1][0] == steps[-1][1]
-    quiet = midair.sequence(
-        board, circles, rate=RATE, change=np.pi / 16, ahead="all", closed=True, pressures=300.0
-    )
+    quiet = midair.sequence(board, circles, rate=RATE, change=np.pi / 16, ahead="all", closed=True, pressures=300.0)
     np.testing.assert_allclose(quiet.pressures, 300, rtol=0.02)
     with pytest.raises(midair.SceneError, match='solver is "uniform"'):
         midair.sequence(board, circles, "uniform", rate=RATE, ahead="all")
@@ -471,9 +461,7 @@ def test_glide_keeps_codes_of_few_phases(points: int, most: float) -> None:
 def test_a_modulation_that_max_would_ignore_is_warned_of() -> None:
     path = midair.path.still([0, 0, 0.15], duration=0.01).modulated(200.0)
     array = midair.Array.grid(8, 8, 10e-3)
-    with pytest.warns(
-        midair.SceneWarning, match='aim is "max", but pressures change between frames: leave it out'
-    ):
+    with pytest.warns(midair.SceneWarning, match='aim is "max", but pressures change between frames: leave it out'):
         midair.sequence(array, path, rate=2000, aim="max")
 
 

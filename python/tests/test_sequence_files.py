@@ -176,9 +176,7 @@ def test_plot_shows_pressures_changes_and_a_spectrum() -> None:
     part = 100 * np.where(sequence.targets > 0, sequence.pressures / 300, np.nan)
     band = np.concatenate([path.vertices for path in upper.collections[0].get_paths()])
     times = 0.5 * (np.arange(FRAMES) + 0.5)
-    for time, least, most in zip(
-        times, np.fmin.reduce(part, axis=1), np.fmax.reduce(part, axis=1), strict=True
-    ):
+    for time, least, most in zip(times, np.fmin.reduce(part, axis=1), np.fmax.reduce(part, axis=1), strict=True):
         there = band[np.isclose(band[:, 0], time), 1]
         ends = [there.min(), there.max()] if len(there) else [np.nan] * 2
         assert ends == pytest.approx([least, most], nan_ok=True)
@@ -238,9 +236,7 @@ def test_an_animation_has_the_frames_requested(tmp_path: Path) -> None:
         assert image.n_frames == 6
         assert image.info["duration"] == 100
     assert reported == [(k, 6) for k in range(1, 7)]
-    made().animate(
-        path, plane=midair.Plane(axis="y", at=0.0, size=0.05, center=(0, 0.1), pixels=20), frames=2
-    )
+    made().animate(path, plane=midair.Plane(axis="y", at=0.0, size=0.05, center=(0, 0.1), pixels=20), frames=2)
     with Image.open(path) as image:
         assert image.n_frames == 2
     assert [file.name for file in tmp_path.iterdir()] == ["motion.gif"]
@@ -321,9 +317,7 @@ def test_tables_tell_what_it_is() -> None:
     for word in ("24 frames at 2000 Hz, closed", "16", "0.4 rad a frame", "glide"):
         assert word in html
     assert "<td>uniformity</td>" in made().metrics._repr_html_()
-    assert repr(made()) == (
-        "<midair.Sequence of 24 frames at 2000 Hz, 2 points, 25 transducers: closed, by glide>"
-    )
+    assert repr(made()) == ("<midair.Sequence of 24 frames at 2000 Hz, 2 points, 25 transducers: closed, by glide>")
     felt = made().felt([0, 0, 0.1], bands=[(50, 500)], area=1e-4)
     assert "rms 50 to 500 Hz" in repr(felt)
     assert "mN" in felt._repr_html_()

@@ -120,9 +120,7 @@ def test_metrics_are_those_of_plain_loops_over_the_points_that_are_there() -> No
     assert metrics.level == pytest.approx(np.mean([np.mean(x) for x in received]))
     assert metrics.uniformity == pytest.approx(min(min(x) / max(x) for x in received))
     assert metrics.uniformity_median == pytest.approx(np.median([min(x) / max(x) for x in received]))
-    own = [
-        [sequence.pressures[t, j] / targets[t, j] for t in range(FRAMES) if targets[t, j]] for j in range(3)
-    ]
+    own = [[sequence.pressures[t, j] / targets[t, j] for t in range(FRAMES) if targets[t, j]] for j in range(3)]
     assert metrics.dip == pytest.approx(min(min(x) / np.mean(x) for x in own))
     assert metrics.largest_change == pytest.approx(max(sequence.changes[1:]))
     assert metrics.seam == pytest.approx(sequence.changes[0])
@@ -189,9 +187,7 @@ def test_a_steady_rate_costs_pressure(steps: int, reported: float) -> None:
     _, linear = sequence.between(TAU, "linear", 3)
     rate = 2 * np.pi / steps * RATE
     assert linear * 0.1 / 4.386 == pytest.approx(1 / np.sqrt(1 + (rate * TAU) ** 2), rel=1e-5)
-    assert sequence.between(TAU, substeps=8).pressures.mean() * 0.1 / 4.386 == pytest.approx(
-        reported, abs=2e-3
-    )
+    assert sequence.between(TAU, substeps=8).pressures.mean() * 0.1 / 4.386 == pytest.approx(reported, abs=2e-3)
 
 
 def test_without_an_envelope_drives_are_what_is_radiated() -> None:

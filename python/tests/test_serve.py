@@ -385,9 +385,7 @@ def test_a_warning_goes_to_the_program_that_caused_it(server: PointServer) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("board", "change"), [("sonicsurface", None), ("autd3", None), ("sonicsurface", 0.2)]
-)
+@pytest.mark.parametrize(("board", "change"), [("sonicsurface", None), ("autd3", None), ("sonicsurface", 0.2)])
 def test_a_focus_follows_a_hand_or_a_warning_says_why_not(board: str, change: float | None) -> None:
     with (
         midair.connect(f"{board}:loop", hold=SILENCE) as link,
@@ -520,10 +518,7 @@ def test_hostile_messages_make_no_sound_and_end_nothing(server: PointServer) -> 
         ({"change": math.nan}, "change is nan: give a finite number"),
         ({"rate": math.nan}, "rate is nan: give a finite number"),
         ({"token": "short"}, 'token is "short": give at least 16'),
-        *(
-            ({"origin": [origin]}, "give SCHEME://HOST")
-            for origin in ("nonsense", "*", "http://", "http://a/b")
-        ),
+        *(({"origin": [origin]}, "give SCHEME://HOST") for origin in ("nonsense", "*", "http://", "http://a/b")),
     ],
 )
 def test_options_that_let_nothing_play_are_refused(options: dict[str, Any], told: str) -> None:
@@ -534,9 +529,7 @@ def test_options_that_let_nothing_play_are_refused(options: dict[str, Any], told
 @pytest.mark.slow
 def test_the_command_prints_where_it_serves_and_ends_by_ctrl_c() -> None:
     command = [sys.executable, "-m", "midair", "serve", "--on", "sonicsurface:loop", "--token", "a" * 16]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8"
-    ) as program:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8") as program:
         assert program.stdout is not None
         address, osc = program.stdout.readline().strip(), program.stdout.readline()
         assert osc.startswith("osc://127.0.0.1:")

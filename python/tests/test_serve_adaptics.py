@@ -182,9 +182,7 @@ HAND_HERE = {"hand": {"palm": {"position": {"x": 0, "y": 0, "z": 100}}}}
 
 @pytest.mark.slow
 @pytest.mark.parametrize("end", ["stops", "sees no hand", "leaves"])
-def test_a_pattern_stops_with_the_hand_that_it_follows_and_goes_on_with_it(
-    server: PointServer, end: str
-) -> None:
+def test_a_pattern_stops_with_the_hand_that_it_follows_and_goes_on_with_it(server: PointServer, end: str) -> None:
     with (
         connect(server.adaptics, max_queue=None) as client,
         connect(server.adaptics, max_queue=None) as tracker,
@@ -255,21 +253,15 @@ BAD = {
     "keyframes[0].time is None: give a number": changed("keyframes", 0, "time", to=None),
     'keyframes[0].type is "loop": give standard, pause, stop': changed("keyframes", 0, "type", to="loop"),
     "keyframes[0].coords is None: give an object": changed("keyframes", 0, "coords", to=None),
-    "keyframes[0].coords.coords.x is None: give a number": changed(
-        "keyframes", 0, "coords", "coords", to={"y": 1}
-    ),
-    'keyframes[0].brush.brush.name is "cube": give circle, line, lissajous': changed(
-        *BRUSH, "name", to="cube"
-    ),
+    "keyframes[0].coords.coords.x is None: give a number": changed("keyframes", 0, "coords", "coords", to={"y": 1}),
+    'keyframes[0].brush.brush.name is "cube": give circle, line, lissajous': changed(*BRUSH, "name", to="cube"),
     "keyframes[0].brush.brush.params.length is None: give an object": changed(*BRUSH, "name", to="line"),
     'keyframes[0].intensity.transition.name is "ease": give linear, step': changed(
         "keyframes", 0, "intensity", "transition", "name", to="ease"
     ),
     "pattern_transform is None: give an object": changed("pattern_transform", to=None),
     'pattern_transform.intensity_factor.type is "list": give f64': changed(*FACTOR, "type", to="list"),
-    "pattern_transform.intensity_factor.value is inf: give a finite number": changed(
-        *FACTOR, "value", to=1
-    ).replace(
+    "pattern_transform.intensity_factor.value is inf: give a finite number": changed(*FACTOR, "value", to=1).replace(
         '"intensity_factor": {"type": "f64", "value": 1}',
         '"intensity_factor": {"type": "f64", "value": 1e999}',
     ),
@@ -318,9 +310,7 @@ HOSTILE: tuple[Any, ...] = (
     json.dumps(
         {
             "cmd": "update_parameters",
-            "data": {
-                "evaluator_params": {"time": 0, "user_parameters": {}, "geometric_transform": [1, 2, 3, 4]}
-            },
+            "data": {"evaluator_params": {"time": 0, "user_parameters": {}, "geometric_transform": [1, 2, 3, 4]}},
         }
     ),
     '{"cmd": "update_tracking", "data": {"enabled": 1}}',

@@ -206,15 +206,11 @@ def test_a_palm_before_a_camera_feels_the_button(server: PointServer, tmp_path: 
         rows = [{"x": u, "y": v, "z": 0.0} for u, v in zip(across, down, strict=True)]
         world = [{"x": u, "y": v, "z": w} for u, v, w in hand.tolist()]
         track.append({"landmarks": [rows], "worldLandmarks": [world]})
-    (script,) = re.findall(
-        r"<script type=\"module\">(.*?)</script>", (CLIENTS / "hand.html").read_text("utf-8"), re.S
-    )
+    (script,) = re.findall(r"<script type=\"module\">(.*?)</script>", (CLIENTS / "hand.html").read_text("utf-8"), re.S)
     assert script.count("await import(`${MEDIAPIPE}/vision_bundle.mjs`)") == 1
     (tmp_path / "track.json").write_text(json.dumps(track), "utf-8")
     page = tmp_path / "page.mjs"
-    page.write_text(
-        HAND_PAGE % script.replace("await import(`${MEDIAPIPE}/vision_bundle.mjs`)", "bundle"), "utf-8"
-    )
+    page.write_text(HAND_PAGE % script.replace("await import(`${MEDIAPIPE}/vision_bundle.mjs`)", "bundle"), "utf-8")
     words = [
         "--experimental-websocket",
         "--no-warnings",

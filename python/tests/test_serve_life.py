@@ -79,9 +79,7 @@ class Ticks:
 
     @property
     def emits(self) -> bool:
-        return self.player is not None and (
-            not self.tracked or (self.hand is not None and self.hand[1] <= UNSEEN)
-        )
+        return self.player is not None and (not self.tracked or (self.hand is not None and self.hand[1] <= UNSEEN))
 
 
 def wrong(make: Callable[[], Life], seed: int) -> list[tuple[int, int, str, str]]:
@@ -391,15 +389,11 @@ def test_no_real_history_leaves_a_board_emitting_and_none_silences_who_plays(tmp
                 except BaseException:
                     failed.append(f"history {seed}: {traceback.format_exc()}")
 
-    threads = [
-        threading.Thread(target=play, args=(tmp_path / str(k),)) for k in range(min(STAGES, REAL // 2))
-    ]
+    threads = [threading.Thread(target=play, args=(tmp_path / str(k),)) for k in range(min(STAGES, REAL // 2))]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
     for end, each in sorted(late.items()):
-        print(
-            f"{end}: off {np.median(each):.3f} s later than stated, at most {max(each):.3f} s, of {len(each)}"
-        )
+        print(f"{end}: off {np.median(each):.3f} s later than stated, at most {max(each):.3f} s, of {len(each)}")
     assert not failed, "\n".join(failed)

@@ -99,11 +99,7 @@ def served(tmp_path: Path) -> Iterator[Served]:
 
 
 def bundle(*parts: bytes, tag: int = 1) -> bytes:
-    return (
-        b"#bundle\0"
-        + struct.pack(">Q", tag)
-        + b"".join(struct.pack(">i", len(each)) + each for each in parts)
-    )
+    return b"#bundle\0" + struct.pack(">Q", tag) + b"".join(struct.pack(">i", len(each)) + each for each in parts)
 
 
 def message(name: str, *values: Any) -> bytes:
@@ -275,9 +271,7 @@ def test_one_client_too_many_is_told_so(served: Served) -> None:
 def test_a_lost_board_is_connected_again(tmp_path: Path) -> None:
     with serving(tmp_path / "log") as made, connect(made.address) as player:
         player.recv(timeout=5)
-        children = (
-            Path(f"/proc/{made.program.pid}/task/{made.program.pid}/children").read_text("utf-8").split()
-        )
+        children = Path(f"/proc/{made.program.pid}/task/{made.program.pid}/children").read_text("utf-8").split()
         for child in children:
             os.kill(int(child), 9)
         begin = time.monotonic()

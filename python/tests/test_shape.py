@@ -99,9 +99,7 @@ def test_a_polyline_is_even_along_its_way() -> None:
         points = shape.polyline(vertices, step=0.002, closed=closed)
         # The same polyline, sampled in steps of a micrometre.
         corners = [*vertices, vertices[0]] if closed else list(vertices)
-        fine = np.concatenate(
-            [np.linspace(a, b, round(np.linalg.norm(b - a) * 1e6)) for a, b in pairwise(corners)]
-        )
+        fine = np.concatenate([np.linspace(a, b, round(np.linalg.norm(b - a) * 1e6)) for a, b in pairwise(corners)])
         walked = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(fine, axis=0), axis=1))])
         count = round(walked[-1] / 0.002)
         wanted = walked[-1] * np.arange(count + (not closed)) / count
@@ -168,9 +166,7 @@ def test_fonts_go_by_name() -> None:
 
 def test_svg_circles_are_round_and_ellipses_even(svg: Callable[..., Points]) -> None:
     points = svg('<circle cx="31" cy="7" r="20"/>', step=0.002)
-    assert np.linalg.norm(points - [0, 0, 0.15], axis=1) == pytest.approx(
-        np.full(len(points), 0.04), rel=2e-4
-    )
+    assert np.linalg.norm(points - [0, 0, 0.15], axis=1) == pytest.approx(np.full(len(points), 0.04), rel=2e-4)
     assert len(points) == round(2 * np.pi * 0.04 / 0.002)
     ellipse = svg('<ellipse cx="0" cy="0" rx="40" ry="10"/>', step=0.002)
     apart = steps(ellipse, closed=True)
@@ -195,9 +191,7 @@ def test_svg_has_y_up_groups_moved_and_hidden_things_left_out(svg: Callable[...,
     inside = """<defs><circle cx="0" cy="0" r="500"/></defs>
     <g transform="translate(10 10) scale(2)"><path d="M0 0 h20 v5"/></g>
     <path d="M-500 -500 L500 500" display="none"/><text x="900" y="900">hi</text>"""
-    with pytest.warns(
-        midair.SceneWarning, match=r"draws .*drawing\.svg without 1 text: convert them to paths"
-    ):
+    with pytest.warns(midair.SceneWarning, match=r"draws .*drawing\.svg without 1 text: convert them to paths"):
         points = svg(inside, step=0.001)
     # A horizontal line, then a shorter one downwards: y points down in SVG.
     assert points[0] == pytest.approx([-0.04, 0.01, 0.15])
@@ -286,9 +280,7 @@ def test_what_is_no_svg_is_refused(tmp_path: Path, content: bytes) -> None:
         shape.svg(path, size=0.1, z=0.1)
 
 
-def test_without_svgelements_the_extra_is_named(
-    svg: Callable[..., Points], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_svgelements_the_extra_is_named(svg: Callable[..., Points], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "svgelements", None)
     with pytest.raises(midair.SceneError, match=r'svgelements: pip install "midair\[shapes\]"'):
         svg('<path d="M0 0 L3 3"/>')

@@ -40,9 +40,7 @@ def played(points: Any, rate: float, amplitudes: Any = 1.0) -> midair.Sequence:
         drives = (gains / abs(gains)).conj()
     else:
         drives = midair.solve_batch(ARRAY, points, solver="fast").drives
-    return midair.Sequence(
-        ARRAY, points, 1.0, drives * np.reshape(amplitudes, (-1, 1)), rate=rate, closed=True
-    )
+    return midair.Sequence(ARRAY, points, 1.0, drives * np.reshape(amplitudes, (-1, 1)), rate=rate, closed=True)
 
 
 def frames(frequency: float) -> int:
@@ -198,10 +196,7 @@ def test_a_focus_moves_the_skin_most_at_the_speed_of_its_waves(wave: float) -> N
 def test_the_strongest_speed_is_5_to_8_m_a_second_and_goes_with_the_wave() -> None:
     """Checks the result of Frier et al. 2018 on perceived strength."""
     speeds = np.arange(3.0, 12, 1.0)
-    found = {
-        wave: speeds[np.argmax([full(stm(speed), speed=wave) for speed in speeds])]
-        for wave in (4.0, 6.0, 8.0)
-    }
+    found = {wave: speeds[np.argmax([full(stm(speed), speed=wave) for speed in speeds])] for wave in (4.0, 6.0, 8.0)}
     assert 5 <= found[6.0] <= 8
     assert found[4.0] < found[6.0] < found[8.0]
 
@@ -371,9 +366,7 @@ def test_vibration_on_a_push_is_rougher() -> None:
     plain, low, high = (push(5, 400, amplitudes=np.sqrt(tone)) for tone in (np.ones(400), *tones))
     assert low.level > plain.level + 10 < high.level
     assert low.slow.max() > 1.5 * plain.slow.max()
-    assert min(low.felt_force / force(low), high.felt_force / force(high)) > 0.8 * plain.felt_force / force(
-        plain
-    )
+    assert min(low.felt_force / force(low), high.felt_force / force(high)) > 0.8 * plain.felt_force / force(plain)
 
 
 # Thresholds.

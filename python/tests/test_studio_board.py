@@ -113,9 +113,7 @@ def test_foreign_origins_are_refused(
     assert surface.state == "off"
 
 
-def test_what_is_not_in_order_is_refused(
-    served: Server, surface: midair.Connection, drive: np.ndarray
-) -> None:
+def test_what_is_not_in_order_is_refused(served: Server, surface: midair.Connection, drive: np.ndarray) -> None:
     for kind in ("text/plain", "application/x-www-form-urlencoded", "multipart/form-data", None):
         assert give(served, content(drive), Content_Type=kind)[0] == 415
     for at in ("", "now", "-1", "1e3", "nan"):
@@ -138,9 +136,7 @@ def test_what_was_overtaken_by_silence_is_not_played(
     assert surface.state == "off"
 
 
-def test_a_board_that_is_gone_is_one_line(
-    served: Server, surface: midair.Connection, drive: np.ndarray
-) -> None:
+def test_a_board_that_is_gone_is_one_line(served: Server, surface: midair.Connection, drive: np.ndarray) -> None:
     surface.close()
     status, line = give(served, content(drive))
     assert status == 409

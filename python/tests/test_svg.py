@@ -14,10 +14,7 @@ from midair import shape
 
 Points = np.ndarray[Any, Any]
 
-HEAD = (
-    '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
-    ' viewBox="-300 -300 600 600">'
-)
+HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="-300 -300 600 600">'
 RECT = '<rect width="40" height="10"/>'
 SQUARE = '<path d="M0 0H10V10H0Z"/>'
 BIG = '<rect width="100" height="100"/>'
@@ -168,9 +165,7 @@ def test_what_a_browser_shows_and_midair_does_not_draw_is_named(name: str) -> No
     assert "\n" not in str(found[0].message)
 
 
-@pytest.mark.parametrize(
-    "transform", ["rotateZ(9deg)", "translate(50%)", "skew(9deg)", "translate3d(1px, 2px, 0)"]
-)
+@pytest.mark.parametrize("transform", ["rotateZ(9deg)", "translate(50%)", "skew(9deg)", "translate3d(1px, 2px, 0)"])
 def test_a_transform_that_is_not_read_is_refused(transform: str) -> None:
     with pytest.raises(midair.SceneError, match=r"its transform .* is not read, give a matrix"):
         drawn(f'<rect width="40" height="10" style="transform: {transform}"/>')

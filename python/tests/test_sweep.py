@@ -159,9 +159,7 @@ SHORT: dict[str, tuple[float, str]] = {
 
 
 @pytest.mark.parametrize("name", SHORT)
-def test_too_much_and_too_little_is_reported_once_with_counts(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_too_much_and_too_little_is_reported_once_with_counts(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     pressure, words = SHORT[name]
     # gspat solves problems as a batch, greedy one by one with a seed each. The second run reads stored
     # results.

@@ -120,8 +120,7 @@ def test_files_spell_axes_in_every_way_of_toml() -> None:
     ways = {
         "dots": "[axes]\nmedium.temperature = [15, 25]\narray.quantization = [{ phases = 4 }, {}]\n",
         "quotes": '[axes]\n"medium.temperature" = [15, 25]\n"array.quantization" = [{ phases = 4 }, {}]\n',
-        "tables": "[axes.medium]\ntemperature = [15, 25]\n"
-        "[axes.array]\nquantization = [{ phases = 4 }, {}]\n",
+        "tables": "[axes.medium]\ntemperature = [15, 25]\n[axes.array]\nquantization = [{ phases = 4 }, {}]\n",
     }
     found = []
     for name, text in ways.items():
@@ -130,11 +129,7 @@ def test_files_spell_axes_in_every_way_of_toml() -> None:
     assert equal(found[0], found[1])
     assert equal(found[0], found[2])
     assert found[0]["array.quantization"].tolist() == ['{"phases": 4}', "{}"] * 2
-    assert (
-        Path("dots.csv")
-        .read_text("utf-8")
-        .startswith("index,array,transducers,points,medium.temperature,array.")
-    )
+    assert Path("dots.csv").read_text("utf-8").startswith("index,array,transducers,points,medium.temperature,array.")
     midair.sweep("dots.toml", "dots.parquet")
     assert pq.read_table("dots.parquet")["medium.temperature"].to_pylist() == [15, 15, 25, 25]
 
@@ -186,8 +181,7 @@ def test_arrays_may_be_objects() -> None:
 @pytest.mark.slow
 def test_scenes_may_be_objects_beside_files() -> None:
     scenes = [
-        midair.Scene(array, PLACES, [300.0, 200.0], weights=[1.0, 0.5], temperature=20.0)
-        for array in ARRAYS.values()
+        midair.Scene(array, PLACES, [300.0, 200.0], weights=[1.0, 0.5], temperature=20.0) for array in ARRAYS.values()
     ]
     scenes[0].save("scene.toml")
     request = {"scenes": ["scene.toml", *scenes], "solver": {"name": "gspat", "balance": True}}

@@ -147,9 +147,7 @@ FOREIGN: dict[str, Callable[[Path], None]] = {
 
 @pytest.mark.parametrize("linked", [False, True], ids=["itself", "link"])
 @pytest.mark.parametrize("name", FOREIGN)
-def test_drives_of_somebody_else_are_not_replaced(
-    name: str, linked: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_drives_of_somebody_else_are_not_replaced(name: str, linked: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("there").mkdir()
     FOREIGN[name](Path("there", "mine.zarr"))
     before = tree(Path())

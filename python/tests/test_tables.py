@@ -77,9 +77,7 @@ def test_a_table_has_the_places_that_it_states(name: str, tmp_path: Path) -> Non
     assert array.positions == pytest.approx(PLACES, abs=1e-9)
     if name == "npy in another order":
         # The core reads .npy in C order alone, and says how to save it.
-        with pytest.raises(
-            midair.SceneError, match=r"of another type or order: save numpy\.ascontiguousarray"
-        ):
+        with pytest.raises(midair.SceneError, match=r"of another type or order: save numpy\.ascontiguousarray"):
             midair.Scene.parse(SCENE.format(file), folder=tmp_path)
         return
     again = midair.Scene.parse(SCENE.format(file), folder=tmp_path).array
@@ -184,9 +182,7 @@ def test_a_table_of_points_that_means_something_else_is_refused(
 
 
 def test_a_scene_file_names_an_array_of_another_program(tmp_path: Path) -> None:
-    (tmp_path / "a.json").write_text(
-        json.dumps([{"origin": [0, 0, 0], "rotation": [1, 0, 0, 0]}]), encoding="utf-8"
-    )
+    (tmp_path / "a.json").write_text(json.dumps([{"origin": [0, 0, 0], "rotation": [1, 0, 0, 0]}]), encoding="utf-8")
     scene = midair.Scene.parse(SCENE.format("a.json"), folder=tmp_path)
     assert len(scene.array) == 249
     assert scene.array == midair.Array.from_file(tmp_path / "a.json")

@@ -191,9 +191,7 @@ def test_a_drive_is_played_as_it_is() -> None:
         assert same.solution == (solution if isinstance(drive, midair.Solution) else None)
         assert "trials a row" in same.plot().get_suptitle()
     # `half` is a drive that a board of two phases cannot play: it is used without rounding.
-    rounded = SCENE.replace(
-        array=midair.Array.grid(16, 16, 10e-3, quantization={"phases": 2}), pressures=[1, 2, 3]
-    )
+    rounded = SCENE.replace(array=midair.Array.grid(16, 16, 10e-3, quantization={"phases": 2}), pressures=[1, 2, 3])
     half = 0.5 * solution.drive
     table = midair.tolerate(rounded, drive=half, temperature=5, trials=3, seed=2)
     warm = faulty(rounded, {"temperature": 5.0}, 2, 1)
@@ -237,9 +235,7 @@ def test_the_command_prints_what_python_gives(
         cli.main(["tolerate", "scene.toml", *requested, "--image", "t.png", "--json"])
     assert left.value.code == 0
     rows = json.loads(capsys.readouterr().out)["rows"]
-    table = midair.tolerate(
-        midair.Scene.load("scene.toml"), phase=20, dead=0.05, temperature=5, tilt=1, trials=20
-    )
+    table = midair.tolerate(midair.Scene.load("scene.toml"), phase=20, dead=0.05, temperature=5, tilt=1, trials=20)
     assert rows == table.to_dict()
     assert Path("t.png").stat().st_size > 1000
     with pytest.raises(SystemExit) as left:

@@ -211,9 +211,7 @@ def test_a_signature_multiplies_the_responses_and_is_not_played(name: str) -> No
     # Only the name "trap" makes the solver also increase the stiffness.
     assert np.array_equal(midair.solve(given, "uniform").drive, solution.drive) == (name != "trap")
     one = midair.Scene(array, points[:1], signature=signs[0])
-    assert np.array_equal(
-        midair.solve(one, "fast").drive, midair.solve(scene.replace(points=points[:1]), "fast").drive
-    )
+    assert np.array_equal(midair.solve(one, "fast").drive, midair.solve(scene.replace(points=points[:1]), "fast").drive)
     assert midair.judge(scene, solution).accuracy == pytest.approx(solution.metrics.accuracy, rel=1e-4)
 
 
@@ -228,9 +226,7 @@ def test_every_door_takes_a_signature(tmp_path: Any) -> None:
     for solver in (midair.Solver(scene, "fast"), midair.Solver(array, "fast", signature="trap")):
         assert np.array_equal(solver(points).drive, expected.drive)
         again = pickle.loads(pickle.dumps(solver))
-        assert np.array_equal(
-            again(points[::-1]).drive, midair.solve(scene.replace(points=points[::-1]), "fast").drive
-        )
+        assert np.array_equal(again(points[::-1]).drive, midair.solve(scene.replace(points=points[::-1]), "fast").drive)
         assert again(points).scene == scene
     batch = midair.solve_batch(scene, np.stack([points, points[::-1]]), solver="fast")
     assert np.array_equal(batch.drives[0], expected.drive)
@@ -296,9 +292,7 @@ def test_what_cannot_be_a_trap_is_refused_in_one_line(tmp_path: Any) -> None:
             midair.gorkov(scene, drive, **keywords)
         assert reported in str(refusal.value)
         assert "\n" not in str(refusal.value)
-    with pytest.warns(
-        midair.SceneWarning, match="bead.radius is 0.002 m: the force has waves up to the quadrupole"
-    ):
+    with pytest.warns(midair.SceneWarning, match="bead.radius is 0.002 m: the force has waves up to the quadrupole"):
         midair.rest(scene, drive, bead={"radius": 2e-3})
     edge = midair.Array([[0, 0, 0]], directivity={"cos": 0.5})
     with pytest.raises(midair.SceneError, match="move it off the plane"):

@@ -127,9 +127,7 @@ def test_a_reader_that_raises_keeps_the_best() -> None:
             raise OSError("unplugged\nnow")
         return reader(drive)
 
-    with pytest.warns(
-        midair.SceneWarning, match="read failed at reading 61: OSError: unplugged now; the best"
-    ):
+    with pytest.warns(midair.SceneWarning, match="read failed at reading 61: OSError: unplugged now; the best"):
         found = midair.tune(read, scene(rig))
     assert found.status == "failed"
     assert isinstance(found.error, OSError)

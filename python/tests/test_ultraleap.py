@@ -101,9 +101,7 @@ def test_points_come_at_their_times(tmp_path: Path) -> None:
     program = compiled(tmp_path / "out", f"-I{tmp_path}")
     ring = midair.path.circle([0, 0, 0.2], 0.02, frequency=100, points=2)
     midair.write(tmp_path / "points.csv", ring, layout="points", rate=1000)
-    run = subprocess.run(
-        [program, tmp_path / "points.csv"], input="\n", capture_output=True, encoding="utf-8"
-    )
+    run = subprocess.run([program, tmp_path / "points.csv"], input="\n", capture_output=True, encoding="utf-8")
     assert run.returncode == 0, run.stderr
     rows = [line for line in run.stdout.splitlines() if line[0] in "-0123456789"]
     got = np.array([row.split() for row in rows], float).reshape(80, 2, 4)

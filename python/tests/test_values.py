@@ -87,16 +87,12 @@ VALUES: dict[str, Callable[[], Any]] = {
     "metrics": lambda: midair.solve(small(), "naive").metrics,
     "solution": lambda: midair.solve(small(), "gs", trace=True, tolerance=1e-3),
     "solution of a file": lambda: midair.solve(file_scene()),
-    "solution on a board": lambda: midair.solve(
-        midair.Scene(BOARD, POINTS), "greedy", order=list(range(498))
-    ),
+    "solution on a board": lambda: midair.solve(midair.Scene(BOARD, POINTS), "greedy", order=list(range(498))),
     "solution with a scale": scaled_solution,
     "solution of a Solver": lambda: midair.Solver(small(), "fast")(POINTS, weights=[1, 0, 1, 1]),
     "solution of a matrix": matrix_solution,
     "batch": batch,
-    "batch of a matrix": lambda: midair.solve_batch(
-        midair.Propagation(MATRIX), pressures=[[150, 150], [120, 120]]
-    ),
+    "batch of a matrix": lambda: midair.solve_batch(midair.Propagation(MATRIX), pressures=[[150, 150], [120, 120]]),
     "problem of a batch": lambda: batch()[-1],
     "batch metrics": lambda: batch().metrics,
     "upright plane": lambda: midair.Plane(axis="y", at=0.01, size=0.1, pixels=3, center=(1 / 3, 0.1)),
@@ -128,9 +124,7 @@ def attributes(value: Any) -> dict[str, Any]:
 @pytest.mark.parametrize("kind", VALUES)
 def test_copies_are_equal_to_the_last_bit(kind: str) -> None:
     value = VALUES[kind]()
-    copies = [
-        pickle.loads(pickle.dumps(value, protocol)) for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1)
-    ]
+    copies = [pickle.loads(pickle.dumps(value, protocol)) for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1)]
     for other in (*copies, copy.copy(value), copy.deepcopy(value)):
         assert type(other) is type(value)
         assert other == value
@@ -209,9 +203,7 @@ def test_replace_changes_what_is_named() -> None:
                      "density", "plane", "solver"):  # fmt: skip
             wanted = value if part == name else getattr(scene, part)
             assert np.array_equal(getattr(changed, part), wanted), part
-    assert (
-        scene.replace(temperature=20).sound_speed == midair.Scene(BOARD, POINTS, temperature=20).sound_speed
-    )
+    assert scene.replace(temperature=20).sound_speed == midair.Scene(BOARD, POINTS, temperature=20).sound_speed
     assert scene.replace(source_pressure=2.0, directivity="cos").array.source_pressure == 2
     assert scene.replace(pressures=None).pressures is None
     assert scene.replace(plane=None).plane is None

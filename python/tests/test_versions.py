@@ -72,9 +72,7 @@ def test_the_recipe_for_conda_needs_what_the_wheel_needs() -> None:
 
 def test_the_day_of_the_release_is_the_changelogs() -> None:
     (day,) = re.findall(r"^date-released: (\S+)$", (ROOT / "CITATION.cff").read_text("utf-8"), re.MULTILINE)
-    assert re.search(
-        rf"^## {re.escape(VERSION)}, {day}$", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE
-    )
+    assert re.search(rf"^## {re.escape(VERSION)}, {day}$", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE)
 
 
 def test_workflows_test_pull_requests_and_build_tags_on_three_systems() -> None:

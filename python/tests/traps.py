@@ -47,9 +47,7 @@ def tinylev() -> tuple[Real, Real]:
     return positions, -positions / np.linalg.norm(positions, axis=1, keepdims=True)
 
 
-def pairs(
-    radius: float = 1e-3, density: float = 29.0, sound_speed: float = 900.0, orders: int = 3
-) -> Complex:
+def pairs(radius: float = 1e-3, density: float = 29.0, sound_speed: float = 900.0, orders: int = 3) -> Complex:
     """Returns s_n + s_(n+1)* + 2 s_n s_(n+1)* of the partial waves s_n, for the first orders n."""
     k, inside, n = 2 * np.pi / WAVELENGTH, 2 * np.pi * FREQUENCY / sound_speed, np.arange(orders + 1)
     gain = DENSITY * inside / (density * k) * spherical_jn(n, inside * radius, derivative=True)
@@ -188,9 +186,7 @@ def direct(positions: Real, points: Real, starts: list[Real]) -> Complex:
             stiffness = (abs(field) ** 2 * scales).sum(axis=-1) @ differences.T
             unit = max(stiffness.min(), abs(stiffness).max() / 100)
             options = {"maxiter": 150, "maxcor": 20}
-            phases = minimize(
-                smooth, phases, (sharpness, unit), jac=True, method="L-BFGS-B", options=options
-            ).x
+            phases = minimize(smooth, phases, (sharpness, unit), jac=True, method="L-BFGS-B", options=options).x
         found.append((-smooth(phases, 1e6, 1.0)[0], phases))
     return np.exp(1j * max(found, key=lambda pair: pair[0])[1])
 

@@ -148,14 +148,7 @@ def python() -> None:
         f"-Dartifact={group}:{name}:{version}:jar:{system}",
         "-Dtransitive=false",
     )
-    jar = (
-        Path.home()
-        / ".m2/repository"
-        / group.replace(".", "/")
-        / name
-        / version
-        / f"{name}-{version}-{system}.jar"
-    )
+    jar = Path.home() / ".m2/repository" / group.replace(".", "/") / name / version / f"{name}-{version}-{system}.jar"
     inner = f"{group.replace('.', '/')}/{name}/{system}/"
     with zipfile.ZipFile(jar) as file:
         names = [each for each in file.namelist() if each.startswith(inner) and "/lib/test/" not in each]
@@ -219,9 +212,7 @@ def complete() -> None:
             source.append(f"{result} my_{name}({kind} complex a{given}) {{ return {own}(a{passed}); }}")
             exports.append(f"{name} = my_{name}")
         else:
-            forward = (
-                f'"{name}" = "ucrtwine.{name}"' if set("?@") & set(name) else f"{name} = ucrtwine.{name}"
-            )
+            forward = f'"{name}" = "ucrtwine.{name}"' if set("?@") & set(name) else f"{name} = ucrtwine.{name}"
             exports.append(forward)
     bare = ("-nodefaultlibs", "-nostartfiles", "-e", "0")
     library("ucrtbase", "\n".join(source), exports, *bare, "-lmingwex", "-lmsvcrt", "-lkernel32", "-lgcc")

@@ -250,9 +250,7 @@ class Chain:
 
     def _check(self, unit: int, kind: Kind, body: bytes) -> None:
         if body[0]:
-            raise BoardError(
-                f"{self._address}: board {unit} refuses {kind.name}: status {body[0]}; try again"
-            )
+            raise BoardError(f"{self._address}: board {unit} refuses {kind.name}: status {body[0]}; try again")
 
     def _request(
         self, place: _Place, kind: Kind, content: bytes = b"", most: int | None = None

@@ -126,9 +126,7 @@ def pattern(frame: bytes, boards: int, protocol: Protocol) -> Step:
     return Step(Command.PATTERN, [header + codes for codes in _parts(frame, protocol)])
 
 
-def sequence(
-    frames: bytes, count: int, boards: int, divider: int, bank: int, protocol: Protocol
-) -> list[Step]:
+def sequence(frames: bytes, count: int, boards: int, divider: int, bank: int, protocol: Protocol) -> list[Step]:
     """Return the steps by which boards store frames and repeat them; a frame lasts `divider` periods."""
     check_count(count)
     _check_length(frames, count, boards)
@@ -138,9 +136,7 @@ def sequence(
         header = _PATTERNS.pack(bank, last - first, first)
         # `parts` has all boards of the first frame, then all boards of the next: every `boards`-th part is
         # this board's.
-        payloads = [
-            header + b"".join(parts[first * boards + k : last * boards : boards]) for k in range(boards)
-        ]
+        payloads = [header + b"".join(parts[first * boards + k : last * boards : boards]) for k in range(boards)]
         steps.append(Step(Command.WRITE_PATTERNS, payloads))
     config = _CONFIG_PATTERNS.pack(bank, RAW, divider, count, 0, 0, 0, ENDLESS)
     played = _BANK.pack(bank, AT_ONCE, 0)
@@ -152,8 +148,7 @@ def check_count(count: int) -> None:
     least, most = PATTERNS
     if not least <= count <= most:
         raise BoardError(
-            f"sequence of {counted(count, 'frame')}: an AUTD3 board holds {least} to {most}: send one, "
-            "stream more"
+            f"sequence of {counted(count, 'frame')}: an AUTD3 board holds {least} to {most}: send one, stream more"
         )
 
 
@@ -177,9 +172,7 @@ def modulation(wave: float | bytes | None) -> list[Step]:
     """Return the steps of a modulation: a sine of `wave` Hz, given codes of 0 to 255, or 255 for None."""
     samples = bytes([255, 255]) if wave is None else wave if isinstance(wave, bytes) else _sine(wave)
     if not 2 <= len(samples) <= SAMPLES:
-        raise BoardError(
-            f"modulation of {counted(len(samples), 'sample')}: an AUTD3 board holds 2 to {SAMPLES}"
-        )
+        raise BoardError(f"modulation of {counted(len(samples), 'sample')}: an AUTD3 board holds 2 to {SAMPLES}")
     bank, most = BANKS[0], PAYLOAD - _SAMPLES.size
     steps = [
         Step(Command.WRITE_SAMPLES, [_SAMPLES.pack(bank, 0, first) + samples[first : first + most]])
@@ -231,9 +224,7 @@ def _sine(hz: float) -> bytes:
     highest = SAMPLING / SAMPLES_A_PERIOD
     lowest = SAMPLING / SAMPLES
     if not lowest <= hz <= highest:
-        raise BoardError(
-            f"modulation at {hz:.12g} Hz: an AUTD3 board modulates at {lowest:.6g} to {highest:g} Hz"
-        )
+        raise BoardError(f"modulation at {hz:.12g} Hz: an AUTD3 board modulates at {lowest:.6g} to {highest:g} Hz")
     turns = (Fraction(hz) / SAMPLING).limit_denominator(SAMPLES)
     nearest = float(turns * SAMPLING)
     if abs(nearest - hz) > 1e-9 * hz:

@@ -259,9 +259,7 @@ def _files(name: Any) -> list[str]:
     return paths if not isinstance(name, str) or name.lower().endswith(".pat") else []
 
 
-def _from_files(
-    paths: list[str], array: Array | None, channels: Any, corrections: Any
-) -> tuple[str, Array, Any, Any]:
+def _from_files(paths: list[str], array: Array | None, channels: Any, corrections: Any) -> tuple[str, Array, Any, Any]:
     """Read one or two .pat files, the lower board first; return kind, array, channels and corrections."""
     from . import pat
 
@@ -287,9 +285,7 @@ def _on_board(array: Array, codec: Codec) -> Array:
     So is a quantization with phases or amplitudes that the board does not have; this gives a warning.
     """
     own: dict[str, Any] = {"quantization": dict(codec.quantization), "response": codec.response}
-    missing = {
-        name: value for name, value in own.items() if value is not None and getattr(array, name) is None
-    }
+    missing = {name: value for name, value in own.items() if value is not None and getattr(array, name) is None}
     if array.quantization is not None and (reason := _unplayable(array.quantization, codec)):
         warn(f"array.quantization has {reason}: board.array has the phases and amplitudes of the board")
         missing["quantization"] = own["quantization"]

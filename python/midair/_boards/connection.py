@@ -296,9 +296,7 @@ class Connection:
             self._limit.check(self.board.decode(frame))
         return frame
 
-    def _stream(
-        self, drives: Iterator[ArrayLike | Solution], period: float, late: Late | None, ahead: int
-    ) -> None:
+    def _stream(self, drives: Iterator[ArrayLike | Solution], period: float, late: Late | None, ahead: int) -> None:
         """Send frames to the guard, which plays each when it is due, or at once if `late` is None."""
         patience = PATIENCE + ahead * period
         under_way: deque[Future[bytes]] = deque()

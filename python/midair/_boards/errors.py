@@ -110,6 +110,5 @@ def gone(what: str, error: Exception) -> BoardLost:
 
 #: Error classes by name: the guard process sends the name, its owner raises the error.
 KINDS: dict[str, type[BoardError]] = {
-    kind.__name__: kind
-    for kind in (BoardError, BoardNotFound, BoardBusy, BoardPermission, BoardLost, BoardTimeout)
+    kind.__name__: kind for kind in (BoardError, BoardNotFound, BoardBusy, BoardPermission, BoardLost, BoardTimeout)
 }

@@ -33,9 +33,7 @@ class Limit:
     """
 
     def __init__(self, given: Any, array: Array) -> None:
-        form = (
-            'give {"positions": [[x, y, z]], "pressure": 200}, positions in m or an ear, the pressure in Pa'
-        )
+        form = 'give {"positions": [[x, y, z]], "pressure": 200}, positions in m or an ear, the pressure in Pa'
         if not isinstance(given, Mapping) or not {"positions", "pressure"} <= given.keys():
             raise refused("limit", given, form)
         more = {**given}
@@ -110,8 +108,7 @@ def check_rate(rate: float, board: Board, late: Late) -> None:
     """Reject a rate above the board's if no frame may be late; else warn of dropped or weaker frames."""
     if late == Late.ERROR and rate > board.rate * (1 + ROUNDING):
         raise BoardTimeout(
-            f"rate is {rate:g} frames/s, {board.name} takes {board.rate:.4g}: "
-            'give a lower one, or late="skip"'
+            f'rate is {rate:g} frames/s, {board.name} takes {board.rate:.4g}: give a lower one, or late="skip"'
         )
     steady = board.limits["steady_frames_per_second"]
     if rate > steady * (1 + ROUNDING) and steady < board.rate:

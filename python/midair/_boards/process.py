@@ -104,9 +104,7 @@ class GuardProcess:
     def ask(self, kind: Kind, content: bytes = b"") -> Future[bytes]:
         """Send a message; return the future of its answer."""
         if self._owner != os.getpid():
-            raise BoardError(
-                f"this connection is that of process {self._owner}: connect in the process that plays"
-            )
+            raise BoardError(f"this connection is that of process {self._owner}: connect in the process that plays")
         number, future = next(self._numbers), Future[bytes]()
         with self._lock:
             if self._closing:

@@ -42,9 +42,7 @@ class FileTransport(NullTransport):
         try:
             self._file = open(path, "wb", buffering=0)  # noqa: SIM115, `close` closes it
         except OSError as error:
-            raise BoardError(
-                f'file "{path}" cannot be written ({error.strerror}): give another name'
-            ) from error
+            raise BoardError(f'file "{path}" cannot be written ({error.strerror}): give another name') from error
         self._path = path
         self._last = b""
         self.silence()
@@ -54,9 +52,7 @@ class FileTransport(NullTransport):
         try:
             self._file.write(frame)
         except OSError as error:
-            raise BoardError(
-                f'file "{self._path}" cannot be written ({error.strerror}): make room'
-            ) from error
+            raise BoardError(f'file "{self._path}" cannot be written ({error.strerror}): make room') from error
         self._last = frame
 
     def silence(self) -> None:

@@ -99,9 +99,7 @@ class LineTransport(Transport):
         """Modulate at `hz`: swap between a bank with the frame and one that is off, 2 hz times a second."""
         most = MOST_SWAPS / (2 * self._byte)
         if hz is not None and not LEAST_HZ <= hz <= most:
-            raise BoardError(
-                f"modulate is given {hz:g} Hz: give {LEAST_HZ:g} to {most:.4g}, for the line's sake"
-            )
+            raise BoardError(f"modulate is given {hz:g} Hz: give {LEAST_HZ:g} to {most:.4g}, for the line's sake")
         with self._lock:
             self._steady()
             swapped, self._hz = self._hz is not None, hz

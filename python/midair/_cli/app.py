@@ -81,9 +81,7 @@ def explain(*names: str) -> None:
     for name in names:
         app[name].help = None
         each = signature(cast(Any, app[name].default_command)).parameters.values()
-        spare = [
-            one.name for one in each if one.kind is one.POSITIONAL_OR_KEYWORD and one.default is not one.empty
-        ]
+        spare = [one.name for one in each if one.kind is one.POSITIONAL_OR_KEYWORD and one.default is not one.empty]
         if spare:
             app[name].usage = f"Usage: midair {name} [OPTIONS] [{spare[0].upper()}]"
 

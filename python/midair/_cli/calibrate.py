@@ -251,9 +251,7 @@ def from_file(path: Path, microphones: int) -> Read:
     return read
 
 
-def simulated(
-    array: Array, microphones: NDArray[np.float64], boards: int, faults: str, seed: int = 0
-) -> Read:
+def simulated(array: Array, microphones: NDArray[np.float64], boards: int, faults: str, seed: int = 0) -> Read:
     """Return a reader that simulates |p| (M,) with faults, such as "dead 17, swapped 3 9, noise 0.01".
 
     Weak transducers have half the gain. "delay B D" delays board B by D degrees, "level L" multiplies all

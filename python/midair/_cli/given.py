@@ -18,18 +18,14 @@ from .._support.arguments import refused
 
 Command = TypeVar("Command", bound=Callable[..., int])
 
-Json = Annotated[
-    bool, Parameter(negative=(), help="Print one JSON document instead of the table.", show_default=False)
-]
+Json = Annotated[bool, Parameter(negative=(), help="Print one JSON document instead of the table.", show_default=False)]
 OutputFile = Annotated[Path | None, Parameter(name=["--output", "-o"])]
 #: Numbers with commas, which may begin with a minus.
 Numbers = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 #: An option that may be given several times, each time with numbers.
 Places = Annotated[list[str] | None, Parameter(allow_leading_hyphen=True, negative=())]
 SceneName = Annotated[Path, Parameter(help="Scene file, TOML or JSON, or - for standard input.")]
-SolverName = Annotated[
-    str | None, Parameter(help="Name of the solver; by default the scene file's, else uniform.")
-]
+SolverName = Annotated[str | None, Parameter(help="Name of the solver; by default the scene file's, else uniform.")]
 
 
 def of(function: Callable[..., Any], names: str) -> Callable[[Command], Command]:
@@ -39,9 +35,7 @@ def of(function: Callable[..., Any], names: str) -> Callable[[Command], Command]
     """
     taken, hints = signature(function).parameters, get_type_hints(unwrap(function))
     explained = {
-        name: entry.description
-        for entry in parse(function.__doc__ or "").params
-        for name in entry.arg_name.split(", ")
+        name: entry.description for entry in parse(function.__doc__ or "").params for name in entry.arg_name.split(", ")
     }
 
     def give(command: Command) -> Command:
@@ -50,9 +44,7 @@ def of(function: Callable[..., Any], names: str) -> Callable[[Command], Command]
             # The parser passes only what was typed.
             return command(*arguments, **{name: taken[name].default for name in names.split()} | keywords)
 
-        own = [
-            each for each in signature(command).parameters.values() if each.kind is not Argument.VAR_KEYWORD
-        ]
+        own = [each for each in signature(command).parameters.values() if each.kind is not Argument.VAR_KEYWORD]
         places = [each for each in own if each.kind is not Argument.KEYWORD_ONLY]
         given = [
             taken[name].replace(annotation=Annotated[hints[name], Parameter(help=explained[name])])

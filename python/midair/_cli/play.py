@@ -90,9 +90,7 @@ def _thing(path: Path, solver: str | None, board: Callable[[Array], Board]) -> S
         found = read(path)
         if solver is not None:
             raise stated("--solver", f"is {solver}", f"{path} is solved already, leave it out")
-        if not isinstance(found, Solution | Sequence) or (
-            isinstance(found, Solution) and found.scene is None
-        ):
+        if not isinstance(found, Solution | Sequence) or (isinstance(found, Solution) and found.scene is None):
             cure = "give what midair solve or motion wrote"
             raise stated(f'"{path}"', "does not say what array it is for", cure)
         return found
@@ -109,9 +107,7 @@ def _scene(solution: Solution) -> Scene:
     return solution.scene
 
 
-def _frames(
-    sequence: Sequence, seconds: float | None, show: Callable[[], None]
-) -> Iterator[NDArray[np.complex64]]:
+def _frames(sequence: Sequence, seconds: float | None, show: Callable[[], None]) -> Iterator[NDArray[np.complex64]]:
     """Yield the frames of a sequence, repeatedly if it is closed or a time is given."""
     frames = len(sequence)
     once = seconds is None and not sequence.closed
@@ -134,9 +130,7 @@ def _loudness(thing: Solution | Sequence) -> float:
 
 
 @contextmanager
-def _status(
-    connection: Connection, on: str, level: float, seconds: float | None
-) -> Iterator[Callable[[], None]]:
+def _status(connection: Connection, on: str, level: float, seconds: float | None) -> Iterator[Callable[[], None]]:
     """Show the board's state while it plays; without a terminal, print one line before and one after."""
     terminal = Console(stderr=True)
     begin = time.monotonic()

@@ -71,9 +71,7 @@ def serve_command(
     return 0
 
 
-def studio_command(
-    scene: Path | None = None, *, port: int = 0, browser: bool = True, on: str | None = None
-) -> int:
+def studio_command(scene: Path | None = None, *, port: int = 0, browser: bool = True, on: str | None = None) -> int:
     """Open the studio in the browser: drag points and see their field. Ctrl-C ends it.
 
     Parameters

@@ -222,9 +222,7 @@ def _table(columns: Mapping[str, list[str]], *, wrapped: bool = False) -> Table:
     *_, last = columns
     for name, column in columns.items():
         numbers = all(cell[:1].isdigit() or cell[:1] == "-" for cell in column)
-        table.add_column(
-            escape(name), no_wrap=not wrapped or name != last, justify="right" if numbers else "left"
-        )
+        table.add_column(escape(name), no_wrap=not wrapped or name != last, justify="right" if numbers else "left")
     for row in zip(*columns.values(), strict=True):
         table.add_row(*(Text(cell, "bold green" if isinstance(cell, _Best) else "") for cell in row))
     return table

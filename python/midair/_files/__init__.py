@@ -130,9 +130,7 @@ def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64
         return control_points.read(path, data)
     values = [number(cell) for cell in head]
     both = ultraino.partners(path)
-    counted = len(values) == 2 and all(
-        value is not None and value >= 1 and value % 1 == 0 for value in values
-    )
+    counted = len(values) == 2 and all(value is not None and value >= 1 and value % 1 == 0 for value in values)
     if both is not None and (not counted or all(one.exists() for one in both)):
         return ultraino.read_pair(*both)
     if counted:

@@ -156,9 +156,7 @@ def _number(path: str | PathLike[str], bean: Bean, name: str, default: float, un
     if isinstance(found, Bean) and not (found.kind or found.properties or found.items):
         return unset
     if not isinstance(found, float):
-        reported = (
-            f"an object of {found.kind or 'no class'}" if isinstance(found, Bean) else f"{str(found)[:40]!r}"
-        )
+        reported = f"an object of {found.kind or 'no class'}" if isinstance(found, Bean) else f"{str(found)[:40]!r}"
         raise fault(path, bean.line, f"{name} is {reported}", "give a number")
     return found
 

@@ -265,9 +265,7 @@ def fly(
         raise refused("sequence", sequence, "give a midair.Sequence")
     scene = sequence.scene(0).replace(bead=bead)
     if (delay := _delay(scene)) < SOONEST:
-        cure = (
-            f"air stops such a bead within {delay:.2g} s, too soon for a flight: give a larger or denser one"
-        )
+        cure = f"air stops such a bead within {delay:.2g} s, too soon for a flight: give a larger or denser one"
         raise refused("bead.radius", scene.bead.radius, cure)
     wavelength = scene.sound_speed / scene.frequency
     envelope = sequence._envelope(tau, hold)

@@ -78,9 +78,7 @@ class Beam(NamedTuple):
     def of(cls, scene: Scene, ears: NDArray[np.float64]) -> "Beam":
         axis, middle = scene.array.normals.mean(axis=0), scene.array.positions.mean(axis=0)
         if np.linalg.norm(axis) < 0.5:
-            raise refused(
-                "array", "transducers that face each other", "give an array that radiates to one side"
-            )
+            raise refused("array", "transducers that face each other", "give an array that radiates to one side")
         axis /= np.linalg.norm(axis)
         across = np.linalg.svd(axis[None])[2][1:]
         apart = scene.array.positions - middle
@@ -118,9 +116,7 @@ def distances(points: NDArray[np.float64], others: NDArray[np.float64]) -> NDArr
     return found
 
 
-def audible_lines(
-    played: Sequence, ears: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def audible_lines(played: Sequence, ears: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return frequencies (L,) in Hz and peak pressures (K, L) in Pa of the audible lines at ears (K, 3).
 
     The envelope reaches a point by the mean way from the transducers, weighted by their energy there. The
@@ -135,9 +131,7 @@ def audible_lines(
     turns = np.exp(-2j * np.pi * np.arange(count) / count)
     late = (1 - e) * turns / (1 - e * turns)
     beam = Beam.of(scene, ears)
-    farthest = np.linalg.norm(ears - beam.middle, axis=1).max() + 4 * (
-        beam.width.sum() + (1 + SLANT) * beam.end
-    )
+    farthest = np.linalg.norm(ears - beam.middle, axis=1).max() + 4 * (beam.width.sum() + (1 + SLANT) * beam.end)
     bins = int(farthest / BIN)
     sums = np.zeros((len(ears), 3, bins, count))
     some, used = slice(None, None, max(len(scene.array) // COUNTED, 1)), 0

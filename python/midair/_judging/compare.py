@@ -91,8 +91,7 @@ class Comparison:
             columns["gap"] = list(self.gaps)
         columns["limit"] = [one.options.get("limit") for one in self.solutions]
         columns |= {
-            name: [getattr(one, name) for one in self.solutions]
-            for name in ("scale", "steps", "elapsed", "status")
+            name: [getattr(one, name) for one in self.solutions] for name in ("scale", "steps", "elapsed", "status")
         }
         return columns
 

@@ -332,9 +332,7 @@ def exposure(
     boxes = _boxes(places)
     wanted = flag("audible", audible)
     if wanted and not isinstance(drive, Sequence):
-        raise refused(
-            "audible", audible, "give a sequence: a drive that does not change makes no audible sound"
-        )
+        raise refused("audible", audible, "give a sequence: a drive that does not change makes no audible sound")
     blocks = _of_frames(scene, drive) if isinstance(drive, Sequence) else _of_one(scene, drive)
 
     def levels(points: Points) -> NDArray[np.float64]:

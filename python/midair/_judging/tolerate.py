@@ -430,9 +430,7 @@ class Trials:
         if isinstance(scene, Solution):
             scene, drive, _ = about(scene, drive)
         elif not isinstance(scene, Scene):
-            raise TypeError(
-                f"expected a midair.Scene or a midair.Solution first, not {type(scene).__qualname__}"
-            )
+            raise TypeError(f"expected a midair.Scene or a midair.Solution first, not {type(scene).__qualname__}")
         known = sizes(**faults)
         if not known:
             raise _faultless(faults, options)

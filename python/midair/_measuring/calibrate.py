@@ -28,9 +28,7 @@ def readings_of(value: Any, drives: int, microphones: int, phased: bool | None) 
     """Check readings (K, M) in Pa: moduli, or complex if `phased`; None decides by their type."""
     shapes = [(drives, microphones), (drives,)][: 2 if microphones == 1 else 1]
     cure = f"give |p| or p ({drives}, {microphones}), a row for each drive and a column for each microphone"
-    found = sized("readings", numbers("readings", value, shapes, cure, kinds="iufc")).reshape(
-        drives, microphones
-    )
+    found = sized("readings", numbers("readings", value, shapes, cure, kinds="iufc")).reshape(drives, microphones)
     if phased and not np.iscomplexobj(found):
         cure = "give complex ones, or leave complex out"
         raise stated("readings", "are real, but complex=True", cure, code="conflict")
@@ -313,9 +311,7 @@ def _room(transducers: int, others: int, readings: int) -> None:
         )
 
 
-def _result(
-    scene: Scene, model: Model, found: Fitted, believed: Real, played: Complex, received: Any
-) -> Calibration:
+def _result(scene: Scene, model: Model, found: Fitted, believed: Real, played: Complex, received: Any) -> Calibration:
     # A common phase of all responses cannot be determined; it is chosen to agree with the array's own
     # responses.
     common, scale = np.sum(believed * found.responses), float(np.exp(found.state[LOUDNESS]))
@@ -331,10 +327,7 @@ def _result(
     if len(outlying):
         named = ", ".join(f"drive {k} at microphone {m}" for k, m in outlying[:NAMED].tolist())
         more = ", ..." if len(outlying) > NAMED else ""
-        warn(
-            f"{len(outlying)} of {found.used.size} readings lie far off the model and are left out:"
-            f" {named}{more}"
-        )
+        warn(f"{len(outlying)} of {found.used.size} readings lie far off the model and are left out: {named}{more}")
     loud = float(np.sqrt(np.mean(np.abs(received[found.used]) ** 2)))
     if found.noise > UNEXPLAINED * loud:
         warn(

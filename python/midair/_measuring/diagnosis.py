@@ -319,11 +319,7 @@ class _Pairs:
 
     def exchanged(self) -> list[tuple[int, int]]:
         """Return the pairs to exchange, the most certain first. No channel is in two pairs."""
-        gains = [
-            (gain, i, j)
-            for i, j in combinations(self._suspects.tolist(), 2)
-            if (gain := self._gain(i, j)) > 0
-        ]
+        gains = [(gain, i, j) for i, j in combinations(self._suspects.tolist(), 2) if (gain := self._gain(i, j)) > 0]
         taken: set[int] = set()
         pairs = []
         for _, i, j in sorted(gains, reverse=True):

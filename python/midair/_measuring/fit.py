@@ -63,9 +63,7 @@ class Model:
     if all poses are known.
     """
 
-    def __init__(
-        self, scene: Scene, microphones: Real, second: NDArray[np.intp], priors: Priors, phased: bool
-    ) -> None:
+    def __init__(self, scene: Scene, microphones: Real, second: NDArray[np.intp], priors: Priors, phased: bool) -> None:
         own = scene.array
         self._kind, number = kind_of(own.directivity)
         # The fit determines the responses, so the core computes the matrix without them. `matrix` multiplies
@@ -148,9 +146,7 @@ class Model:
         """Return the microphones' places (M, 3) in m."""
         return state[PLACES:-6].reshape(-1, 3)
 
-    def _made(
-        self, positions: Real, normals: Real, number: float, keep: dict[str, Any] | None = None
-    ) -> Array:
+    def _made(self, positions: Real, normals: Real, number: float, keep: dict[str, Any] | None = None) -> Array:
         own = self._array
         same = np.isnan(number) or number == kind_of(own.directivity)[1]
         directivity = own.directivity if same else {self._kind: float(number)}
@@ -222,9 +218,7 @@ class Belief:
         variance that remains after the readings.
         """
         n, variance = self.chances.shape[1], left * self.spread**2
-        own, left_of, at, spread = (
-            each[: 2 * n].reshape(2, n) for each in (off, variance, self.mean, self.spread)
-        )
+        own, left_of, at, spread = (each[: 2 * n].reshape(2, n) for each in (off, variance, self.mean, self.spread))
         # Precision and mean of the estimate without this unknown's own prior, which is divided out.
         precision = np.maximum(1 / left_of - 1 / spread**2, 1e-9 / self._modulus**2)
         middle = (own / left_of - at / spread**2) / precision
@@ -447,9 +441,7 @@ def fit(
     return Fitted(here.responses, errors, share, here.state, others, noise, off, used, known.chances)
 
 
-def _start(
-    model: Model, drives: Complex, readings: Real | Complex, believed: Real, used: NDArray[np.bool_]
-) -> Real:
+def _start(model: Model, drives: Complex, readings: Real | Complex, believed: Real, used: NDArray[np.bool_]) -> Real:
     """Return the initial state: the best sound speed for the readings and its prior, and their loudness.
 
     Sound speeds within three standard deviations are compared. With a wrong sound speed, the wave's phase
@@ -482,9 +474,7 @@ def _modelled(
     return p if phased else np.hypot(np.abs(p), noise)
 
 
-def _normal(
-    model: Model, drives: Complex, here: Place, spread: Real, used: NDArray[np.bool_]
-) -> tuple[Real, Real]:
+def _normal(model: Model, drives: Complex, here: Place, spread: Real, used: NDArray[np.bool_]) -> tuple[Real, Real]:
     """Return J^T J and J^T r for the residuals r, where J are the derivatives by the unknowns.
 
     The derivatives of a modulus |p| by re and im of response i are the real part and minus the imaginary part

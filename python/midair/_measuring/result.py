@@ -36,9 +36,7 @@ def _residuals(calibration: Calibration, ax: Axes) -> None:
 RED: dict[str, dict[str, Any]] = {"x": {"c": "red"}, "o": {"facecolors": "none", "edgecolors": "red"}}
 
 
-def _over_array(
-    calibration: Calibration, ax: Axes, values: Any, colours: Map, ends: tuple[float, float]
-) -> None:
+def _over_array(calibration: Calibration, ax: Axes, values: Any, colours: Map, ends: tuple[float, float]) -> None:
     places = calibration.array.positions * 1e3
     size = 1.5e4 / max(len(places), 60)
     x, y, _ = places.T

@@ -160,9 +160,7 @@ def loud(field: Field) -> float:
     points = field.scene.points[field.shown if field.shown.any() else slice(None)]
     margin = MARGIN * field.scene.wavelength
     whole = float(pressure.max())
-    sides = [
-        (axis, samples) for axis, samples in enumerate((field.x, field.y, field.z)) if samples is not None
-    ]
+    sides = [(axis, samples) for axis, samples in enumerate((field.x, field.y, field.z)) if samples is not None]
     across, up = (
         (samples >= points[:, axis].min() - margin) & (samples <= points[:, axis].max() + margin)
         for axis, samples in sides

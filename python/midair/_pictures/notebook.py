@@ -176,9 +176,7 @@ def slice_of(field: Field) -> str:
     high = np.array([getattr(field, name)[-1] for name in names])
     places = (field.scene.points[field.shown][:MOST_POINTS, axes] - low) / (high - low) * SLICE
     rings = "".join(f'<circle cx="{x:.1f}" cy="{SLICE - y:.1f}" r="3"/>' for x, y in places)
-    across, up = (
-        f"{name} {1e3 * a:.3g} to {1e3 * b:.3g} mm" for name, a, b in zip(names, low, high, strict=True)
-    )
+    across, up = (f"{name} {1e3 * a:.3g} to {1e3 * b:.3g} mm" for name, a, b in zip(names, low, high, strict=True))
     unit = "" if field.scene.in_paper_unit else " Pa"
     bar = np.arange(255, -1, -1, dtype=np.uint8)[:, None]
     frame = f'height="{SLICE}" preserveAspectRatio="none"'
@@ -336,9 +334,7 @@ def field(field: Field) -> str:
     ) + slice_of(field)
 
 
-def sequence(
-    array: Array, points: NDArray[np.float64], closed: bool, facts: Iterable[tuple[str, object]]
-) -> str:
+def sequence(array: Array, points: NDArray[np.float64], closed: bool, facts: Iterable[tuple[str, object]]) -> str:
     """Return the HTML of a sequence: its properties and the paths of its points (T, M, 3)."""
     return _facts(*facts) + trails(array, points, closed)
 

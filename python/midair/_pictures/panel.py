@@ -193,9 +193,7 @@ def squares(plane: Plane) -> NDArray[np.float64]:
     return np.stack(parts, axis=1)
 
 
-def paint(
-    field: Field, ax: Axes, values: NDArray[np.float64], colour_map: Map, ends: tuple[float, float]
-) -> AxesImage:
+def paint(field: Field, ax: Axes, values: NDArray[np.float64], colour_map: Map, ends: tuple[float, float]) -> AxesImage:
     """Draw values as an image in the plane of a field, with its obstacles.
 
     Parameters

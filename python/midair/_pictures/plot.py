@@ -272,9 +272,7 @@ SAMPLE = 200
 LEAST = 0.1
 
 
-def wanted_made_difference(
-    figure: Figure | SubFigure, field: Field, solution: Solution, quantity: Quantity
-) -> None:
+def wanted_made_difference(figure: Figure | SubFigure, field: Field, solution: Solution, quantity: Quantity) -> None:
     """Draw three panels: targets, field, and their difference at the points.
 
     Targets and difference exist only at the points. Each point is a square as wide as the distance of

@@ -112,8 +112,7 @@ def judge_deviation(rows: tables.Rows) -> list[Verdict]:
         Verdict(
             "LM has the least variation",
             outcome(bool(lowest.all()), bool(lowest.any())),
-            f"LM {_range(mean['lm'])}"
-            + (f"; not the least at M = {', '.join(map(str, where))}" if where else ""),
+            f"LM {_range(mean['lm'])}" + (f"; not the least at M = {', '.join(map(str, where))}" if where else ""),
         ),
         Verdict(
             "greedy's variation is relatively large at every M",

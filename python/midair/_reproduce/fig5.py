@@ -88,10 +88,7 @@ def collect(run: Run, over: str) -> Found:
         places, least = [(side, scenes.FIXED_COUNT) for side in scenes.SIDES], 0
     rounds = min(run.trials, ROUNDS)
     common = {"seed": run.seed, "methods": [[method.solver, method.options] for method in TIMED]}
-    jobs = [
-        Job(measure, {**common, "side": side, "count": count}, 0, rounds, (side, count))
-        for side, count in places
-    ]
+    jobs = [Job(measure, {**common, "side": side, "count": count}, 0, rounds, (side, count)) for side, count in places]
     found = run.gather(jobs, alone=True)
     size = np.array([side * side if over == "N" else count for side, count in places], float)
     rows: tables.Rows = []

@@ -88,9 +88,7 @@ PANELS = (*PAPER, GS, *EVEN)
 FIXED: Options = {"balance": False, "order": "columns"}
 TIMED = (
     PAPER[0]._replace(options=FIXED),
-    Method(
-        "greedy-brute", "greedy, plain brute force", "greedy", {**FIXED, "objective": "l1"}, "#ff9896", False
-    ),
+    Method("greedy-brute", "greedy, plain brute force", "greedy", {**FIXED, "objective": "l1"}, "#ff9896", False),
     *PAPER[1:],
     GS,
     *EVEN,

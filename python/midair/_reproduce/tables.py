@@ -65,8 +65,7 @@ def spread(values: NDArray[np.float64]) -> Row:
 def write(path: Path, rows: Rows) -> None:
     """Write a CSV file with six significant digits."""
     rounded = (
-        {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()}
-        for row in rows
+        {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()} for row in rows
     )
     output.write(path, output.to_csv([*rounded]))
 

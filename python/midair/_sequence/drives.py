@@ -137,9 +137,7 @@ def _check(block: NDArray[Any], first: int, phases: int | None) -> None:
 def lowered(amplitudes: NDArray[Any], table: ArrayLike) -> NDArray[np.float64]:
     """Return the largest amplitude of a board, or 0, that is not above each given one."""
     levels = np.asarray(table, np.float64)
-    found: NDArray[np.float64] = np.r_[0.0, levels][
-        np.searchsorted(levels, amplitudes * (1 + 1e-9), side="right")
-    ]
+    found: NDArray[np.float64] = np.r_[0.0, levels][np.searchsorted(levels, amplitudes * (1 + 1e-9), side="right")]
     return found
 
 
@@ -151,9 +149,7 @@ class Stored:
 
     ndim = 2
 
-    def __init__(
-        self, path: str | PathLike[str], dtype: np.dtype[Any], shape: tuple[int, ...], start: int
-    ) -> None:
+    def __init__(self, path: str | PathLike[str], dtype: np.dtype[Any], shape: tuple[int, ...], start: int) -> None:
         self.dtype, self.shape = dtype, shape
         self.check: Callable[[NDArray[Any], int], None] = lambda block, first: None
         self._path, self._start, self._lock = path, start, Lock()
@@ -262,9 +258,7 @@ class Envelope(NamedTuple):
 MOST_KEPT = 1 << 17
 
 
-def rows(
-    scene: Scene, points: NDArray[np.float64], name: str = "points", first: int = 0
-) -> NDArray[np.complex64]:
+def rows(scene: Scene, points: NDArray[np.float64], name: str = "points", first: int = 0) -> NDArray[np.complex64]:
     """Return rows of G (..., N) at points (..., 3) in a scene. Errors number the points from `first`."""
     shape, flat = points.shape[:-1], points.reshape(-1, 3)
     kept = scene.obstacles or scene.signature is not None

@@ -461,9 +461,7 @@ class Frames:
         return self._between(self._envelope(tau, hold), whole("substeps", substeps, least=1))
 
     @SETTLING
-    def felt(
-        self, place: ArrayLike, *, area: float | None = None, bands: Any = BANDS, tau: float = 0.0
-    ) -> Felt:
+    def felt(self, place: ArrayLike, *, area: float | None = None, bands: Any = BANDS, tau: float = 0.0) -> Felt:
         """Compute the radiation pressure at a fixed place, or its mean over a patch, at each frame's start.
 
         Parameters

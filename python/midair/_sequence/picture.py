@@ -99,9 +99,7 @@ def _pressures(sequence: Frames, ax: Axes) -> None:
     part = np.full(there.shape, np.nan)
     np.divide(100 * sequence.pressures, sequence.targets, out=part, where=there)
     edges, times = _groups(sequence)
-    least, most = (
-        extreme.reduceat(extreme.reduce(part, axis=1), edges[:-1]) for extreme in (np.fmin, np.fmax)
-    )
+    least, most = (extreme.reduceat(extreme.reduce(part, axis=1), edges[:-1]) for extreme in (np.fmin, np.fmax))
     ax.axhline(100, color="grey", linestyle=":", linewidth=0.9)
     ax.fill_between(times, least, most, color=TEAL, alpha=0.35, linewidth=0)
     ax.plot(times, (least + most) / 2, color=TEAL, linewidth=1.1)

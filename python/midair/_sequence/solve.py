@@ -158,9 +158,7 @@ def solver_of(motion: Motion) -> str:
     return motion.scene.solver[0] if motion.scene.solver else "glide"
 
 
-def solve_motion(
-    motion: Motion, array: Array | None = None, solver: str | None = None, **keywords: Any
-) -> Sequence:
+def solve_motion(motion: Motion, array: Array | None = None, solver: str | None = None, **keywords: Any) -> Sequence:
     """Solve the sequence of a scene file; `array` and `solver` replace those of the file.
 
     The file's options apply to its own solver only. An error about a value of [motion] names the place in
@@ -473,9 +471,7 @@ def multiplex(
     gains, least = scene.propagation().T, np.inf
     for _ in range(1 + rounds):
         with without_warnings():
-            batch = _midair.solve_batch(
-                scene, places, targets, solver, weights=weights, start=start, **options
-            )
+            batch = _midair.solve_batch(scene, places, targets, solver, weights=weights, start=start, **options)
         pressures = np.abs(batch.drives @ gains)
         mean = np.sqrt((pressures**2).mean(axis=0))
         missed = (share * (mean - wanted) ** 2).sum() / (share * wanted**2).sum()

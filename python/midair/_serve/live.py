@@ -183,9 +183,7 @@ class Live:
             self._life.off()
             self._dark = False
             self._news.notify_all()
-            self._news.wait_for(
-                lambda: self._dark or self._over.done() or self._life.player is not None, PATIENCE
-            )
+            self._news.wait_for(lambda: self._dark or self._over.done() or self._life.player is not None, PATIENCE)
 
     def state(self) -> dict[str, Any]:
         """Return the board's state, its counts of frames, and the error that ended the last playback."""

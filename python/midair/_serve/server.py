@@ -263,9 +263,7 @@ class PointServer(AbstractContextManager["PointServer"]):
         """Return whether this is the token."""
         return isinstance(shown, str) and hmac.compare_digest(shown.encode(), self.token.encode())
 
-    def _take(
-        self, source: Hashable, at: float, obey: Callable[..., None], *arguments: Any, count: int = 1
-    ) -> bool:
+    def _take(self, source: Hashable, at: float, obey: Callable[..., None], *arguments: Any, count: int = 1) -> bool:
         """Note a sign of life, and let messages be executed; return False if too many of a source wait."""
         with self._live.life() as life:
             life.sign(source, at)

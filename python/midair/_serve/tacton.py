@@ -131,9 +131,7 @@ class Tacton:
         table = _table(given, "user_parameter_definitions", "")
         self._defined = {name: _definition(table, name) for name in table}
 
-    def at(
-        self, time: float, moment: Moment, parameters: Mapping[str, float], matrix: Matrix | None = None
-    ) -> Touch:
+    def at(self, time: float, moment: Moment, parameters: Mapping[str, float], matrix: Matrix | None = None) -> Touch:
         """Return the touch at a time in ms after the start.
 
         moment : moment of the last touch, or of the start
@@ -299,9 +297,7 @@ def _keyframe(given: dict[str, Any], where: str) -> Keyframe:
     return Keyframe(time, kind, place, brush, strength, jumps)
 
 
-def _stage(
-    given: dict[str, Any], key: str, where: str, read: Callable[[dict[str, Any], str], Any]
-) -> Stage | None:
+def _stage(given: dict[str, Any], key: str, where: str, read: Callable[[dict[str, Any], str], Any]) -> Stage | None:
     if given.get(key) is None:
         return None
     table, within = _table(given, key, where), f"{where}.{key}"

@@ -16,9 +16,7 @@ T = TypeVar("T")
 LIBRARY = "midair: a library's call"
 
 #: Signals that request the end of a program; Windows has only the first two.
-ENDING = [
-    signal.Signals[name] for name in ("SIGINT", "SIGTERM", "SIGHUP") if name in signal.Signals.__members__
-]
+ENDING = [signal.Signals[name] for name in ("SIGINT", "SIGTERM", "SIGHUP") if name in signal.Signals.__members__]
 
 
 class Terminated(KeyboardInterrupt):

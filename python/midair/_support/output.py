@@ -57,9 +57,7 @@ def check(path: Path, endings: tuple[str, ...], others: Iterable[Path] = ()) -> 
 
 
 @contextmanager
-def refusing(
-    item: str, cure: str = "make room or choose another folder; what is done is kept"
-) -> Iterator[None]:
+def refusing(item: str, cure: str = "make room or choose another folder; what is done is kept") -> Iterator[None]:
     """Convert the system's errors about an output to a SceneError of one line."""
     try:
         yield

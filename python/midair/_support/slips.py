@@ -127,9 +127,7 @@ def _signature(function: Callable[..., Any]) -> inspect.Signature:
     """Return a function's signature with the core's keywords listed one by one."""
     signature = inspect.signature(function)
     *own, last = signature.parameters.values()
-    one = [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None) for name in DECLARED[last.name]
-    ]
+    one = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None) for name in DECLARED[last.name]]
     return signature.replace(parameters=[*own, *one])
 
 

@@ -248,10 +248,7 @@ def table(path: str | PathLike[str]) -> bytes:
     if ending not in ARRAYS:
         return content(path, empty=True)
     try:
-        if ending == ".npy":
-            found = array(path)
-        else:
-            found = _only(path, arrays(path) if ending == ".npz" else _matlab(path))
+        found = array(path) if ending == ".npy" else _only(path, arrays(path) if ending == ".npz" else _matlab(path))
         if np.iscomplexobj(found):
             raise fault(path, None, "its numbers are complex", "give real numbers in m")
         numbers = np.ascontiguousarray(found, "<f8")

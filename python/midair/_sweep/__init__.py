@@ -102,10 +102,7 @@ def work(
     chunk: int = CHUNK,
 ) -> None:
     """Run a sweep and pass rows to `receive` in order, `chunk` at a time, so that memory suffices."""
-    places = [
-        None if path is None else path_of(name, path)
-        for name, path in (("output", output), ("drives", drives))
-    ]
+    places = [None if path is None else path_of(name, path) for name, path in (("output", output), ("drives", drives))]
     folder = table.check(requested, *places)
     if threads is not None:
         whole(threads, "threads", least=1)

@@ -80,9 +80,7 @@ def _random(settings: Settings, trial: int) -> np.random.Generator:
     return np.random.default_rng([settings["seed"], trial, settings["count"]])
 
 
-def points_and_targets(
-    settings: Settings, trials: list[int]
-) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+def points_and_targets(settings: Settings, trials: list[int]) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
     """Return points (B, M, 3) and targets (B, M), or None for the balanced level."""
     count, whole = settings["count"], (len(trials), settings["count"])
     randoms = [_random(settings, trial) for trial in trials]

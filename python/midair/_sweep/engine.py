@@ -251,9 +251,7 @@ def go_on() -> bool:
 
 
 @contextmanager
-def _workers(
-    scheduler: str | None, threads: int | None, stop: threading.Event
-) -> Iterator[tuple[Executor, int]]:
+def _workers(scheduler: str | None, threads: int | None, stop: threading.Event) -> Iterator[tuple[Executor, int]]:
     """Yield an executor, and how many jobs it runs at the same time."""
     if scheduler is None:
         # More threads than processors would not be faster.

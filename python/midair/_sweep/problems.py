@@ -38,8 +38,7 @@ def plain(value: Any, name: str = "") -> Any:
         return plain(value.tolist(), name)
     if isinstance(value, Mapping):
         return {
-            _word(str(key), name): plain(inner, f"{name}.{key}" if name else str(key))
-            for key, inner in value.items()
+            _word(str(key), name): plain(inner, f"{name}.{key}" if name else str(key)) for key, inner in value.items()
         }
     if isinstance(value, Sequence):
         return [plain(inner, f"{name}[{index}]") for index, inner in enumerate(value)]
@@ -83,11 +82,7 @@ def short(value: Any) -> str:
 _SINGLE = {
     "array": (
         "preset",
-        *(
-            name
-            for name, kind in _midair.array_parts().items()
-            if kind not in ("complexes", "flags", "indices")
-        ),
+        *(name for name, kind in _midair.array_parts().items() if kind not in ("complexes", "flags", "indices")),
     ),
     "medium": tuple(_midair.scene_keys()["medium"]),
     "points": (),
@@ -408,7 +403,5 @@ def _range(points: Tables, key: str) -> list[float]:
     ends: list[Any] = value if isinstance(value, list) else [value, value]
     if not _numbers(ends, 2) or ends[0] > ends[1]:
         cure = f"several go into an axis, points.{key} = [...] in [axes]" if isinstance(value, list) else ""
-        raise stated(
-            f"points.{key}", f"is {short(value)}", f"give a number or [low, high]{cure and '; '}{cure}"
-        )
+        raise stated(f"points.{key}", f"is {short(value)}", f"give a number or [low, high]{cure and '; '}{cure}")
     return [float(end) for end in ends]

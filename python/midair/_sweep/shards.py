@@ -187,9 +187,7 @@ class Dataset:
             rows = given[first : first + part["trial"].size]
             first += len(rows)
             own = judge(self.array, rows, points=part["points"], pressures=part.get("targets"))
-            found.append(
-                [*(np.asarray(getattr(own, name)) for name in METRICS), *(part[name] for name in METRICS)]
-            )
+            found.append([*(np.asarray(getattr(own, name)) for name in METRICS), *(part[name] for name in METRICS)])
         names = [*METRICS, *(f"reference_{name}" for name in METRICS)]
         return dict(zip(names, map(np.concatenate, zip(*found, strict=True)), strict=True))
 

@@ -322,9 +322,7 @@ class _Judge:
         """Return the mean pressure along the shape in Pa that the channel of pressure passes."""
         return float(motion.pressed[[motion._nearest(place) for place in self.under]].mean())
 
-    def spared(
-        self, judged: _Judged, ears: Mapping[str, Any], limit: str | float, quiet: float | None
-    ) -> _Judged:
+    def spared(self, judged: _Judged, ears: Mapping[str, Any], limit: str | float, quiet: float | None) -> _Judged:
         """Return a technique at a level within the limits at the ears, as far as the board can play it."""
         played, audible = judged.played, quiet is not None
         softer, levels, factor = played, exposure(played, ears, limit=limit, audible=audible), 1.0

@@ -45,9 +45,7 @@ def model_of(
     speed: Any = SPEED, loss: Any = LOSS, mass: Any = MASS, reach: Any = REACH, tau: Any = 0.0
 ) -> tuple[Membrane, float, float]:
     """Check the arguments of the model; return the membrane, `reach` in m and `tau` in s."""
-    membrane = Membrane(
-        number("speed", speed, above=0), number("loss", loss, least=0.1), number("mass", mass, above=0)
-    )
+    membrane = Membrane(number("speed", speed, above=0), number("loss", loss, least=0.1), number("mass", mass, above=0))
     width = number("reach", reach, above=0)
     if width > WIDEST:
         warn(f"reach is {width:g} m, wider than a finger: give {width * 1e-3:g} if mm are meant")
@@ -109,8 +107,7 @@ class Triangles:
         hats = np.cross(normals[:, None], edges) / twice[:, None, None]
         rows = np.repeat(np.arange(len(faces)), 3)
         self._gradients = [
-            csr_array((hats[..., axis].ravel(), (rows, faces.ravel())), shape=(len(faces), count))
-            for axis in range(3)
+            csr_array((hats[..., axis].ravel(), (rows, faces.ravel())), shape=(len(faces), count)) for axis in range(3)
         ]
         weights = diags_array(self._areas)
         self.stiffness = sum(g.T @ weights @ g for g in self._gradients)

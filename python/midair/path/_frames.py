@@ -65,9 +65,7 @@ def read(path: Path | ArrayLike, rate: float, pressures: ArrayLike | None = None
     return Frames(points, given, False)
 
 
-def from_array(
-    points: ArrayLike, *, rate: float, pressures: ArrayLike | None = None, closed: bool = False
-) -> Path:
+def from_array(points: ArrayLike, *, rate: float, pressures: ArrayLike | None = None, closed: bool = False) -> Path:
     """Make a path through frames of points, with linear interpolation between them.
 
     Parameters

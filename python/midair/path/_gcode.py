@@ -219,9 +219,7 @@ def lcode(
     holds: list[float] = []
     kinds, every, off, written_rate = set(), 0.0, False, None
     rows = [
-        (line, part)
-        for line, row in enumerate(written.splitlines(), 1)
-        for part in row.partition("#")[0].split(";")
+        (line, part) for line, row in enumerate(written.splitlines(), 1) for part in row.partition("#")[0].split(";")
     ]
     for line, row in rows:
         code, *groups = row.strip().split(":")

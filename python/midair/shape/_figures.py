@@ -175,9 +175,7 @@ def letters(string: str, height: float, z: float, font: str | None) -> list[Cont
     for letter in string:
         script = unicodedata.name(letter, "").partition(" ")[0]
         if script in SHAPED.split() or unicodedata.bidirectional(letter) in ("R", "AL", "AN"):
-            cure = (
-                f"{script.title()} letters need a shaper, convert them to paths in an editor and give an svg"
-            )
+            cure = f"{script.title()} letters need a shaper, convert them to paths in an editor and give an svg"
             raise refused("string", string, cure)
     outlines, capital = _outlines(string, font), _outlines("H", font)
     if not outlines:

@@ -41,9 +41,7 @@ INHERITED = {"visibility": "visible", "fill": "black", "stroke": "none"}
 INHERITED |= dict.fromkeys(("fill-opacity", "stroke-opacity", "stroke-width"), "1")
 
 #: Paints and sizes of which nothing is seen.
-CLEAR = re.compile(
-    r"none|transparent|(rgb|hsl)a?\((([^,]*,){3}|.*/)\s*0*\.?0*%?\s*\)|#([\da-f]{3}|[\da-f]{6}0)0"
-)
+CLEAR = re.compile(r"none|transparent|(rgb|hsl)a?\((([^,]*,){3}|.*/)\s*0*\.?0*%?\s*\)|#([\da-f]{3}|[\da-f]{6}0)0")
 NOTHING = re.compile(r"(?=[0.])0*\.?0*(px|%)?")
 
 #: Rules of style sheets for some devices, fonts and the like.
@@ -216,9 +214,7 @@ class _Drawing:
         self._count(element, len(around))
         own = self._properties(element)
         obeyed = {name: own.get(name, "inherit").strip().lower() for name in inherited}
-        inherited = {
-            name: value if obeyed[name] == "inherit" else obeyed[name] for name, value in inherited.items()
-        }
+        inherited = {name: value if obeyed[name] == "inherit" else obeyed[name] for name, value in inherited.items()}
         if own.get("display", "").strip().lower() == "none" or not own.get("opacity", "1").strip("0.%"):
             return
         visible = inherited["visibility"] == "visible"
@@ -263,8 +259,7 @@ class _Drawing:
         self._letters += sum(len(value) for name, value in element.attrib.items() if name not in PASSED)
         if self._elements > MOST_POINTS or self._letters > MOST_LETTERS or depth > MOST_DEPTH:
             raise self._wrong(
-                f"unfolded, it has more than {MOST_POINTS} elements, {MOST_LETTERS >> 20} MB"
-                f" or {MOST_DEPTH} levels"
+                f"unfolded, it has more than {MOST_POINTS} elements, {MOST_LETTERS >> 20} MB or {MOST_DEPTH} levels"
             )
 
     def _target(self, own: dict[str, str]) -> list[Element]:
@@ -322,8 +317,7 @@ class _Drawing:
         if "none" not in align:
             scale[:] = scale.max() if "slice" in align else scale.min()
         shares = [
-            next((share for word, share in (("Min", 0.0), ("Max", 1.0)) if axis + word in align), 0.5)
-            for axis in "xY"
+            next((share for word, share in (("Min", 0.0), ("Max", 1.0)) if axis + word in align), 0.5) for axis in "xY"
         ]
         spare = (size - inner * scale) * shares
         return matrix @ _affine(np.diag(scale), place - corner * scale + spare), inner
@@ -379,15 +373,10 @@ def _affine(linear: NDArray[np.float64], place: Any) -> Matrix:
 
 def _contours(svgelements: Any, part: list[Any]) -> Iterator[Contour]:
     """Yield the contour of a part as a polygon in the drawing's units, y down; none for length 0."""
-    drawn = [
-        segment for segment in part if not isinstance(segment, svgelements.Move) and segment.end is not None
-    ]
+    drawn = [segment for segment in part if not isinstance(segment, svgelements.Move) and segment.end is not None]
     if not drawn:
         return
-    pieces = [
-        np.asarray(segment.npoint(ways(not isinstance(segment, svgelements.Curve))), float)
-        for segment in drawn
-    ]
+    pieces = [np.asarray(segment.npoint(ways(not isinstance(segment, svgelements.Curve))), float) for segment in drawn]
     vertices = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
     if (vertices != vertices[0]).any():
         yield vertices, any(isinstance(segment, svgelements.Close) for segment in drawn)
