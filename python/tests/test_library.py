@@ -40,7 +40,7 @@ def test_keywords_have_the_names_and_order_of_the_design() -> None:
     parameters = {
         midair.Scene: f"array points pressures weights signature bead obstacles {' '.join(air)} "
         "source_pressure directivity reflecting response mask channels pins quantization",
-        midair.Array: "positions normals source_pressure directivity reflecting response mask channels pins "
+        midair.Array: "positions normals unit source_pressure directivity reflecting response mask channels pins "
         "quantization",
         midair.Plane: "z size pixels center axis at",
         midair.solve: "scene solver pressures weights quantization mask positions balance aim start progress "
