@@ -61,9 +61,13 @@ fn every_slip_of_a_unit_is_reported_once_with_its_cure() {
         (
             reported(positions(millimetres.clone()), air, points(), None),
             "array.positions is 10.16 m and",
-            "are 0.01016 m)",
+            "are 0.01016 m), or unit=\"mm\"",
         ),
-        (reported(positions(millimetres), air, scaled(&points(), 1e3), None), "array.positions is 10.16 m and", "m)"),
+        (
+            reported(positions(millimetres), air, scaled(&points(), 1e3), None),
+            "array.positions is 10.16 m and",
+            "unit=\"mm\"",
+        ),
         (
             reported(board(), air, scaled(&points(), 1e3), None),
             "points[0].position is [0, 0, 150] m (and 1 more): far beyond an array of 0.1727 m: ",
