@@ -1,7 +1,8 @@
 //! `midair.Array` and `midair.presets`.
 
-use midair::{Directivity, Medium, Origin, PartKind, PartValue};
+use midair::{Directivity, ErrorCode, Medium, Origin, PartKind, PartValue};
 
+use crate::error::coded;
 use crate::give::{list, rows};
 use crate::parts::{self, Values};
 use crate::pickle::called;
@@ -94,7 +95,12 @@ impl Array {
         parts: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         if positions.is_instance_of::<PyString>() {
-            return Err(invalid("positions", &quoted(positions), "a known array is midair.Array.preset(NAME)"));
+            return Err(coded(
+                ErrorCode::Type,
+                "positions",
+                &quoted(positions),
+                "a known array is midair.Array.preset(NAME)",
+            ));
         }
         let normals = normals.map(|normals| read::vectors("normals", normals)).transpose()?;
         let mut places = read::vectors("positions", positions)?;

@@ -72,7 +72,7 @@ def test_points_drives_and_fields_of_another_library(other: Any) -> None:
     )
     board = midair.Board("autd3")
     assert board.encode(drive) == board.encode(solution)
-    frames = [other(POINTS + np.array([0.001 * t, 0, 0])) for t in range(3)]
+    frames = [other(POINTS + np.array([0.0005 * t, 0, 0])) for t in range(3)]
     streamed = list(midair.stream(ARRAY, frames, rate=80.0))
     np.testing.assert_array_equal(streamed, list(midair.stream(ARRAY, [frame.values for frame in frames], rate=80.0)))
 

@@ -278,7 +278,6 @@ REQUESTS: dict[str, tuple[str, Any, dict[str, Any]]] = {
     "ragged": ("a.npz", [[1.0], [1.0, 2.0]], {}),
     "shape": ("a.npz", np.ones((2, 2, 2)), {}),
     "nothing": ("a.npz", np.ones(0), {}),
-    "frames as a table": ("a.csv", FRAMES, {}),
     "frames as json": ("a.json", FRAMES, {}),
     "layout": ("a.csv", FRAMES, {"layout": "matlab"}),
     "layout of none": ("a.holo", FRAMES, {"layout": "points"}),

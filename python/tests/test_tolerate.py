@@ -171,6 +171,7 @@ def test_few_transducers_that_are_all_dead_keep_nothing() -> None:
     np.testing.assert_allclose(whole.level, 1)
 
 
+@pytest.mark.filterwarnings("ignore:the pressures are missed")
 def test_a_silent_scene_is_refused() -> None:
     with pytest.raises(midair.SceneError, match="silent"):
         midair.tolerate(SCENE, lambda *_: np.zeros(256), phase=1)

@@ -309,7 +309,7 @@ def stream(
     --------
     >>> import midair
     >>> array = midair.Array.preset("autd3")
-    >>> hand = ([[0.001 * t, 0.0, 0.15]] for t in range(5))
+    >>> hand = ([[0.0005 * t, 0.0, 0.15]] for t in range(5))
     >>> drives = list(midair.stream(array, hand, rate=1e3))
     >>> len(drives), drives[0].shape
     (5, (249,))
