@@ -192,7 +192,7 @@ pub fn remarks(
     let missed = problem.missed(solver.meets_targets(), solver.quiet(), solution);
     let sounds = problem.active_targets_in_pascals().any(|target| target > 0.0) && solution.status != Status::Stopped;
     let level = solution.metrics().level;
-    // The pressure at a trap is none that was asked for.
+    // No target states the pressure at a trap.
     let focused = problem.propagation().signature().is_none();
     let meant = focused && (problem.aim() == Aim::Target || !problem.asks_pressures());
     let missed = missed.or((sounds && meant && beyond.is_none() && level < FAINT).then_some(1.0 - level));
