@@ -99,7 +99,7 @@ def test_a_small_array_sounds_as_the_direct_integral(technique: str) -> None:
     assert np.abs(apart)[strong].max() < 1, apart
 
 
-def test_levels_are_a_weighted_and_go_with_the_square_of_the_drive() -> None:
+def test_levels_are_a_weighted_and_go_with_the_square_of_the_drive(monkeypatch: pytest.MonkeyPatch) -> None:
     tones = np.array([[0.2, 0, 0, 0], [0, 0.2, 0, 0.2], [0, 0, 0, 0]])
     found = loudness(np.array([100.0, 1000.0, 15.0, 17e3]), tones)
     one = 20 * np.log10(0.2 / np.sqrt(2) / 20e-6)
@@ -117,3 +117,6 @@ def test_levels_are_a_weighted_and_go_with_the_square_of_the_drive() -> None:
     assert beat.exposure(ears)["ear"].audible is None
     with pytest.raises(midair.SceneError, match="audible is True: give a sequence"):
         solution.exposure(ears, audible=True)
+    monkeypatch.setenv("MIDAIR_MEMORY", "100kB")
+    with pytest.raises(MemoryError, match=r"audible sound of 10 frames at 1 place needs .* GB: give fewer frames"):
+        beat.exposure(ears, audible=True)

@@ -16,11 +16,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Scene
+from .._midair import Scene, memory_limit
 from .._sequence import Sequence
 from .._sequence.drives import rows
 from .._sequence.felt import RECEIVED, a_weighting
 from .._support.arguments import refused
+from .._support.text import counted
 
 #: Coefficient of nonlinearity of air: (1 + 1.4)/2 for a gas of two atoms a molecule.
 BETA = 1.2
@@ -133,6 +134,13 @@ def audible_lines(played: Sequence, ears: NDArray[np.float64]) -> tuple[NDArray[
     beam = Beam.of(scene, ears)
     farthest = np.linalg.norm(ears - beam.middle, axis=1).max() + 4 * (beam.width.sum() + (1 + SLANT) * beam.end)
     bins = int(farthest / BIN)
+    size, most = 24 * len(ears) * bins * count, memory_limit()
+    if size > most:
+        places = counted(len(ears), "place")
+        raise MemoryError(
+            f"the audible sound of {count} frames at {places} needs {size * 1e-9:.3f} GB, the limit is "
+            f"{most * 1e-9:.3f} GB: give fewer frames, or a higher limit (MIDAIR_MEMORY in the environment)"
+        )
     sums = np.zeros((len(ears), 3, bins, count))
     some, used = slice(None, None, max(len(scene.array) // COUNTED, 1)), 0
     for points, volume in beam.planes(scene.wavelength):
@@ -174,8 +182,8 @@ def audible_lines(played: Sequence, ears: NDArray[np.float64]) -> tuple[NDArray[
 
 def loudness(frequencies: NDArray[np.float64], pressures: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the A-weighted levels (K,) in dB re 20 uPa of lines (K, L) in Pa, peak, from 20 Hz to 16 kHz."""
-    counted = (frequencies >= RECEIVED[0]) & (frequencies <= RECEIVED[1])
-    weighted = pressures[:, counted] * a_weighting(frequencies[counted])
+    within = (frequencies >= RECEIVED[0]) & (frequencies <= RECEIVED[1])
+    weighted = pressures[:, within] * a_weighting(frequencies[within])
     power = np.sum(weighted**2, axis=1) / 2
     with np.errstate(divide="ignore"):
         levels: NDArray[np.float64] = 10 * np.log10(power / 20e-6**2)
