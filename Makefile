@@ -175,7 +175,7 @@ fuzz: fuzz/.tools/bin/cargo-fuzz fuzz/.venv/ready ## Guided fuzzing, recorded (T
 TIME := 60
 RUNS := 100000000
 
-sanitize: fuzz/.tools/bin/cargo-fuzz ## Address, leak and thread sanitizers and Miri, recorded (CHECKS="address replay thread miri")
+sanitize: fuzz/.tools/bin/cargo-fuzz .venv/ready ## Address, leak and thread sanitizers and Miri, recorded (CHECKS="address replay thread miri")
 	$(PYTHON) fuzz/sanitize.py $(CHECKS)
 
 fuzz/.tools/bin/cargo-fuzz:
