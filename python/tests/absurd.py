@@ -71,7 +71,10 @@ def dataset(name: str, bad: Any) -> Any:
 
 
 GROUPS: dict[str, dict[str, Call]] = {
-    "haptic": keywords(haptic, "shape", "array", "rate", "aim", "change", "beside", "ears", "limit", "loss", "tau"),
+    "haptic": keywords(
+        haptic, "shape", "array", "rate", "aim", "change", "beside", "ears", "limit", "loss", "tau", "quiet", "techniques"
+    ),
+    "recipes": {"place": midair.recipes},
     "skin": keywords(
         lambda **bad: midair.skin(**({"sequence": TRAPS} | bad)),
         *("sequence", "hand", "speed", "loss", "mass", "reach", "tau"),
@@ -171,7 +174,11 @@ GROUPS: dict[str, dict[str, Call]] = {
         "threads",
     )
     | {"opened": lambda bad: midair.Dataset(bad).manifest},
-    "exposure": {"places": lambda bad: midair.exposure(SCENE, DRIVE, bad)},
+    "exposure": {
+        "places": lambda bad: midair.exposure(SCENE, DRIVE, bad),
+        "audible": lambda bad: midair.exposure(TRAPS, [[0, 0, 0.3]], audible=bad),
+        "limit": lambda bad: midair.exposure(SCENE, DRIVE, [[0, 0, 0.3]], limit=bad),
+    },
 }
 
 CALLS = {f"{group}, {name}": call for group, calls in GROUPS.items() for name, call in calls.items()}

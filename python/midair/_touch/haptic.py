@@ -205,6 +205,8 @@ def haptic(
     for name in model.keys() - set(MODEL):
         known = ["rate", "aim", "change", "closed", "beside", "techniques", "ears", "limit", "quiet", *MODEL]
         raise TypeError(str(unknown_name("argument of midair.haptic", name, known)))
+    if not isinstance(techniques, Mapping | None):
+        raise refused("techniques", techniques, 'give {"name": path}')
     for name, path in (techniques or {}).items():
         if not isinstance(path, Path):
             raise refused(f"techniques.{name}", path, "give a path of midair.path")
