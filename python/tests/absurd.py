@@ -72,7 +72,8 @@ def dataset(name: str, bad: Any) -> Any:
 
 GROUPS: dict[str, dict[str, Call]] = {
     "haptic": keywords(
-        haptic, "shape", "array", "rate", "aim", "change", "beside", "ears", "limit", "loss", "tau", "quiet", "techniques"
+        haptic,
+        *("shape", "array", "rate", "aim", "change", "beside", "ears", "limit", "loss", "tau", "quiet", "techniques"),
     ),
     "recipes": {"place": midair.recipes},
     "skin": keywords(
