@@ -1,4 +1,4 @@
-/** Live cells: the studio's widget in place of a picture, loaded from this website. */
+/** Live cells: the studio or its widget in place of a picture, loaded from this website. */
 const studio = new URL("../studio/", import.meta.url);
 let parts;
 
@@ -11,10 +11,16 @@ function load() {
   return parts;
 }
 
-/** Shows the scene of a cell; if that fails, the picture stays. */
+/** Shows the scene of a cell, or a page in a frame; if that fails, the picture stays. */
 async function show(cell) {
   if (cell.dataset.shown) return;
   cell.dataset.shown = "1";
+  if (cell.dataset.page) {
+    const frame = Object.assign(document.createElement("iframe"), { src: cell.dataset.page, title: "Studio" });
+    frame.addEventListener("load", () => cell.classList.add("live-on"));
+    cell.append(frame);
+    return;
+  }
   const place = document.createElement("div");
   place.className = "live-view";
   try {
