@@ -133,3 +133,20 @@ def test_trials_of_faults_are_the_same_on_the_cluster(cluster: Cluster) -> None:
     near, far = (midair.tolerate(scene, scheduler=address, **requested) for address in (None, cluster.address))
     assert far.status == "done"
     assert near.to_dict() == far.to_dict()
+
+
+@pytest.mark.slow
+def test_a_function_solves_on_the_cluster(cluster: Cluster) -> None:
+    # A function that is no module's own, as in a notebook, is sent to the workers as it is.
+    def foci(propagation, targets, weights):
+        return propagation.conj().sum(axis=0) / abs(propagation).sum(axis=0)
+
+    request = {
+        "array": {"preset": "paper20"},
+        "points": {"count": 2, "x": [-0.05, 0.05], "y": [-0.05, 0.05], "z": 0.15},
+        "solver": {"name": foci},
+        "seeds": 70,
+    }
+    near, far = (midair.sweep(request, scheduler=address) for address in (None, cluster.address))
+    assert near.keys() == far.keys()
+    assert all((near[name] == far[name]).all() for name in near)

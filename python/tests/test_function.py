@@ -165,6 +165,26 @@ def test_a_function_solves_many_scenes() -> None:
         midair.solve_batch(scene.array, points, targets, broken)
 
 
+def test_a_sweep_takes_functions() -> None:
+    request = {
+        "array": {"preset": "paper20"},
+        "points": {"count": 2, "x": [-0.05, 0.05], "y": [-0.05, 0.05], "z": 0.15},
+        "solver": [{"name": foci, "share": [0.5, 1.0]}, {"name": "naive"}],
+        "seeds": 3,
+    }
+    table = midair.sweep(request)
+    assert table["solver"].tolist() == ["foci"] * 6 + ["naive"] * 3
+    assert table["share"].tolist() == [0.5] * 3 + [1.0] * 3 + [None] * 3
+    points = 0.05 * (2 * np.random.default_rng([0, 1, 2]).random((2, 3)) - 1)
+    points[:, 2] = 0.15
+    one = midair.solve(midair.Scene(midair.Array.preset("paper20"), points), foci, share=0.5)
+    assert table["accuracy"][1] == pytest.approx(one.metrics.accuracy, rel=1e-6)
+    with pytest.raises(TypeError, match=r"<lambda>: .*: a solver is called as solver\(propagation"):
+        midair.sweep({**request, "solver": {"name": lambda propagation: propagation[0]}})
+    with pytest.raises(midair.SceneError, match=r"solver\.name is a function: give a method by its name"):
+        midair.dataset({**request, "solver": {"name": foci}}, "data")
+
+
 def test_anything_that_can_be_called_will_do() -> None:
     class Method:
         def __call__(self, propagation, targets, weights):

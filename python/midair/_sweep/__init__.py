@@ -38,7 +38,8 @@ def sweep(
     ----------
     request : str, path or mapping
         A sweep file (TOML or JSON, docs/sweeps.md) or a mapping of its keys. There an Array may stand for an
-        array's table, a Scene for a scene file.
+        array's table, a Scene for a scene file, and a function for the name of a solver, as in `midair.solve`.
+        A sweep with a function that was stopped in another run begins anew.
     output : str or path, optional
         A file for the table, .csv or .parquet. A stopped sweep continues where it was.
     drives : str or path, optional

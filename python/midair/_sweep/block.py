@@ -19,7 +19,8 @@ from .engine import Stopped, go_on
 #: warnings.
 REPORTED = (*METRICS, "status", "beyond", "weak")
 
-#: Settings of a block, all as JSON. "array", "medium": the tables of a scene file. "count": M. "region" [[x0,
+#: Settings of a block, all as JSON, except a solver that is a function. "array", "medium": the tables of a scene
+#: file. "count": M. "region" [[x0,
 #: x1], [y0, y1], [z0, z1]] in m for random points, or "points" [[x, y, z], ...] for fixed ones. "pressure"
 #: [low, high] in Pa for random targets, or "pressures" [...] for fixed ones, or neither. "weights". "solver",
 #: "options" (with balance and aim). "seed" of the sweep; "seeds" of the trials, None for 0, 1, ...; "drives":
@@ -125,7 +126,7 @@ def _solve(
             raise Stopped
         return found
 
-    if "seed" in options or "seed" not in solvers()[solver].options:
+    if callable(solver) or "seed" in options or "seed" not in solvers()[solver].options:
         return _arrays([batch(slice(None))])
     seeds = [solver_seed(settings, trial) for trial in trials]
     return _arrays([batch(slice(index, index + 1), seed=seed) for index, seed in enumerate(seeds)])

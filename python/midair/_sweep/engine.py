@@ -16,6 +16,7 @@ from importlib.metadata import version
 from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Any
+from uuid import uuid4
 
 from .. import _midair
 from .._midair import SceneError, stated
@@ -92,6 +93,9 @@ Function = Callable[[Settings, int, int], Arrays]
 AHEAD = 4
 
 
+#: Name of this run of the program.
+RUN = uuid4().hex
+
 #: Time in s between two checks for Ctrl-C.
 INTERVAL = 0.2
 
@@ -114,7 +118,9 @@ class Job:
     def path(self) -> Path:
         """Path of the stored result, relative to a folder of chunks."""
         named = [self.function.__module__, self.function.__qualname__, build(), self.settings]
-        key = hashlib.sha256(json.dumps(named, sort_keys=True).encode()).hexdigest()
+        # A caller's function may have changed since another run, whose results are not used again.
+        text = json.dumps(named, sort_keys=True, default=lambda function: f"{function!r} {RUN}")
+        key = hashlib.sha256(text.encode()).hexdigest()
         return Path(key[:20], f"{self.start}-{self.stop}.npz")
 
 

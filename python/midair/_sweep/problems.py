@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import warnings
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import lru_cache
@@ -19,16 +20,21 @@ from .block import array_and_medium, first_scene, trial_seed
 
 Tables = dict[str, Any]
 
+#: The key of a solver, which may be a function.
+METHOD = re.compile(r"solver(\[\d+\])?\.name")
+
 
 def plain(value: Any, name: str = "") -> Any:
-    """Return a value as dicts, lists, finite numbers and text; scenes and paths in `scenes` do not change."""
+    """Return a value as dicts, lists, finite numbers, text; scenes, paths and functions stay as they are."""
     if isinstance(value, float) and not math.isfinite(value):
         raise stated(f"{name or 'sweep'}", f"is {float(value)}", "give a finite number")
     if isinstance(value, str):
         return _word(value, name)
     if value is None or isinstance(value, bool | int | float):
         return value
-    if isinstance(value, Scene | PathLike) and name.startswith("scenes["):
+    if (isinstance(value, Scene | PathLike) and name.startswith("scenes[")) or (
+        callable(value) and METHOD.fullmatch(name)
+    ):
         return value
     if isinstance(value, complex):
         return [value.real, value.imag]

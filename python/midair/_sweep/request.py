@@ -89,7 +89,7 @@ def _read(given: Mapping[str, Any], path: Path | None, drives: bool) -> Request:
     blocks = [
         Block(
             {**settings, "solver": name, "options": chosen},
-            {**columns, "solver": name, **{key: chosen.get(key) for key in options}},
+            {**columns, "solver": labelled(name), **{key: chosen.get(key) for key in options}},
             trials,
         )
         for (settings, columns), (name, chosen) in product(sets, methods)
@@ -110,21 +110,31 @@ def _trials(given: Any) -> tuple[int, list[int] | None]:
     return whole(given, "seeds", least=1), None
 
 
-def _methods(table: Tables) -> list[tuple[str, dict[str, Any]]]:
+def labelled(solver: Any) -> str:
+    """Return the name of a solver, which may be a function or a functools.partial of one."""
+    return (
+        solver
+        if isinstance(solver, str)
+        else getattr(getattr(solver, "func", solver), "__name__", type(solver).__name__)
+    )
+
+
+def _methods(table: Tables) -> list[tuple[Any, dict[str, Any]]]:
     """Return (solver, options) of a solver's table for each combination of lists in it."""
     name = table.pop("name", None)
-    if not isinstance(name, str):
+    if not (isinstance(name, str) or callable(name)):
         raise stated("solver.name", f"is {short(name)}", f"give one of {', '.join(solvers())}")
-    name = solver_name(name)
-    options = ("balance", "aim", *solvers()[name].options)
-    table = {spelt(key, options): value for key, value in table.items()}
-    for key, value in table.items():
-        if key not in options:
-            _refuse(name, key, value)
+    if isinstance(name, str):
+        name = solver_name(name)
+        options = ("balance", "aim", *solvers()[name].options)
+        table = {spelt(key, options): value for key, value in table.items()}
+        for key, value in table.items():
+            if key not in options:
+                _refuse(name, key, value)
     axes = [value if isinstance(value, list) else [value] for value in table.values()]
     for key, values in zip(table, axes, strict=True):
         if not values:
-            raise stated(f"option {key}", f"of {name} is an empty list", "give a value or some")
+            raise stated(f"option {key}", f"of {labelled(name)} is an empty list", "give a value or some")
     few(math.prod(map(len, axes)))
     return [(name, dict(zip(table, chosen, strict=True))) for chosen in product(*axes)]
 
@@ -146,8 +156,8 @@ def _refuse(name: str, option: str, value: Any) -> NoReturn:
     raise stated(option, f"is no option of {name}", "leave it out")
 
 
-def _check_method(name: str, options: Mapping[str, Any]) -> None:
-    """Let the solver reject invalid options, on a tiny scene."""
-    if not isinstance(options.get("order"), list):
+def _check_method(name: Any, options: Mapping[str, Any]) -> None:
+    """Let the solver reject invalid options, on a tiny scene. A function may be meant for one array."""
+    if isinstance(name, str) and not isinstance(options.get("order"), list):
         array = _midair.Array.grid(2, 2, 0.01)
         solve(Scene(array, [[0.0, 0.0, 0.1]]), name, **options)

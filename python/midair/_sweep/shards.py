@@ -296,6 +296,8 @@ def solve_scenes(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
 def _blocks(requested: Request, bounds: bool) -> list[Block]:
     """Return the blocks of a request for a data set, with one seed for all scenes; rejects mixed ones."""
     given = [block.settings for block in requested.blocks]
+    if any(callable(each["solver"]) for each in given):
+        raise stated("solver.name", "is a function", "give a method by its name, so that the set can be made again")
     methods = {json.dumps([each["solver"], each["options"]]) for each in given}
     sizes = {block.columns["transducers"] for block in requested.blocks}
     if len(methods) > 1:
