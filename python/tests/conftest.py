@@ -107,9 +107,10 @@ LACKS = {
     "darwin": re.compile(r"/proc/|/dev/full|\bSIG(CONT|STOP|TSTP)\b"),
 }
 if sys.platform == "win32" and hasattr(ctypes.WinDLL("ntdll"), "wine_get_version"):
-    # Wine 8 lacks functions that list serial ports. There a wheel is unpacked, without program and sources.
+    # Wine 8 lacks functions that list serial ports. There a wheel is unpacked, without program and sources, and
+    # there is no cargo.
     LACKS["win32"] = re.compile(
-        rf"{LACKS['win32'].pattern}|\blist_ports\b|with_name\(\"midair\"\)|reference\.index\(\)"
+        rf"{LACKS['win32'].pattern}|\blist_ports\b|with_name\(\"midair\"\)|reference\.index\(\)|third_party\(\)"
     )
 
 

@@ -114,7 +114,8 @@ def test_a_drawing_of_too_much_work_is_refused_at_once(name: str, tmp_path: Path
         with pytest.raises(midair.SceneError, match=reported) as error:
             shape.svg(given, size=0.05, z=0.1)
         assert "\n" not in str(error.value)
-        assert time.process_time() - begin < 5
+        # Under Wine, on a busy machine, 6 s.
+        assert time.process_time() - begin < (5 if sys.platform == "linux" else 30)
 
 
 def test_references_within_bounds_are_drawn() -> None:
@@ -131,7 +132,7 @@ def test_meshes_come_in_known_formats(name: str, tmp_path: Path) -> None:
 
 
 def test_a_mesh_of_more_bytes_than_memory_allows_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "hand.obj").write_text("v 0 0 0\n" * 100_000, "utf-8")
+    (tmp_path / "hand.obj").write_text("v 0 0 0\n" * 100_000, "utf-8", newline="\n")
     monkeypatch.setenv("MIDAIR_MEMORY", "2MB")
     with pytest.raises(midair.SceneError, match=r"it needs 12 MB of 1 allowed"):
         midair.Mesh.from_file(tmp_path / "hand.obj")

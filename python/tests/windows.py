@@ -72,8 +72,11 @@ __declspec(dllexport) BOOL WINAPI ProcessPrng(PBYTE p, SIZE_T n) { return System
 """
 
 PYTEST = (WINE, BIN / "python.exe", "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist")
-#: Time in s after which a file of tests counts as hanging.
-HANGS = 900
+#: Time in s after which a process of tests counts as hanging.
+HANGS = 1800
+#: The files of the package's tests, and the number of processes for those that are not slow.
+FILES = sorted({file.name for file in Path(__file__).parent.glob("test_*.py")} - {*LINUX})
+PROCESSES = 12
 
 RELEASE = os.environ.get("PROFILE") == "release"
 PROFILE = ("--release",) if RELEASE else ()
@@ -95,7 +98,8 @@ ALLOWED = 1.0
 ENVIRONMENT = {key: value for key, value in os.environ.items() if key != "RUSTFLAGS"} | {
     "WINEPREFIX": str(HOME / "wine"),
     "WINEDEBUG": "-all",
-    "WINEDLLOVERRIDES": "ucrtbase=n;ucrtwine=n,b",
+    # Wine's own programs, which serve all others, find only its own ucrtbase.dll.
+    "WINEDLLOVERRIDES": "ucrtbase=n,b;ucrtwine=n,b",
     "WINEPATH": "Z:" + str(BIN).replace("/", "\\"),
     # -Zbuild-std needs these variables with a stable compiler; a rustup toolchain must not be used instead.
     "RUSTC_BOOTSTRAP": "1",
@@ -291,23 +295,27 @@ def core() -> None:
 
 
 def quick() -> None:
-    """Runs the package's tests that are not slow."""
-    run(*PYTEST, "-m", "not slow")
+    """Runs the package's tests that are not slow, in processes of some files each."""
+    tests([[*FILES[part::PROCESSES], "-m", "not slow"] for part in range(PROCESSES)])
 
 
 def package() -> None:
-    """Runs all tests of the package, a process for each file, two at a time."""
-    files = sorted({file.name for file in (ROOT / "python" / "tests").glob("test_*.py")} - {*LINUX})
+    """Runs all tests of the package, a process for each file."""
     words = os.environ.get("WORDS")
+    tests([shlex.split(words)] if words else [[file] for file in FILES])
+
+
+def tests(processes: list[list[str]]) -> None:
+    """Runs tests of the package, two processes at a time."""
     with ThreadPoolExecutor(2) as pool:
-        total = sum(pool.map(tried, [shlex.split(words)] if words else [[file] for file in files]), Counter())
+        total = sum(pool.map(tried, processes), Counter())
     print(", ".join(f"{count} {kind}" for kind, count in total.items()))
-    if total["failed"] + total["errors"] + total["ended"]:
+    if total["failed"] + total["errors"] + total["error"] + total["ended"]:
         sys.exit("windows: failed: tests of the package")
 
 
 def tried(words: list[str]) -> Counter[str]:
-    """Runs tests of a file; returns their counts, also "ended" for a file that hangs or crashes."""
+    """Runs tests; returns their counts, also "ended" for a process that hangs or crashes."""
     begin, command = time.monotonic(), [*map(str, PYTEST), "--tb=short", *words]
     pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
     with subprocess.Popen(
@@ -375,16 +383,19 @@ def main() -> None:
     if missing:
         sys.exit(f"test-windows: missing: apt install --no-install-recommends {missing}")
     python()
-    # Two programs that start Wine's server together may hang: it runs from here on.
-    server = subprocess.Popen([SERVER, "-f", "-p"], env=ENVIRONMENT)
+    # Two programs that start Wine together wait for five minutes: its server and its services run from here on.
+    subprocess.Popen([SERVER, "-f", "-p"], env=ENVIRONMENT)
     try:
+        quiet = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
+        subprocess.run([WINE, "cmd", "/c", "exit"], env=ENVIRONMENT, **quiet)
         for name in sys.argv[1:] or [*PARTS][:-2]:
-            begin = time.monotonic()
             print(f"== {name}", flush=True)
+            begin, before = time.monotonic(), sum(os.times()[:4])
             PARTS[name]()
-            print(f"-- {time.monotonic() - begin:.0f} s", flush=True)
+            used = sum(os.times()[:4]) - before
+            print(f"-- {time.monotonic() - begin:.0f} s, {used:.0f} s of CPU", flush=True)
     finally:
-        server.terminate()
+        subprocess.run([SERVER, "-k"], env=ENVIRONMENT)
 
 
 if __name__ == "__main__":

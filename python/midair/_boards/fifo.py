@@ -30,7 +30,7 @@ if sys.platform == "win32":
     INSTALL = "put libusb-1.0.dll into a folder of PATH, and give the chip the driver WinUSB with Zadig"
 else:
     ALLOW = "allow it by a rule of udev (pyftdi's documentation has one)"
-    INSTALL = "install libusb 1.0, Debian's libusb-1.0-0"
+    INSTALL = "install libusb 1.0: Debian's libusb-1.0-0, on macOS `brew install libusb`"
 
 
 class FifoTransport(Transport):
