@@ -87,7 +87,10 @@ mod _midair {
         points::{along, rotation, shape_points},
         propagation::Propagation,
         scene::{Reach, Scene},
-        skin::{Membrane, Pushes, Shifted, decibels, excess, felt_width, hand, live_lines, strength, threshold},
+        skin::{
+            Membrane, Pushes, Shifted, decibels, demodulate, excess, felt_width, hand, live_lines, steady, strength,
+            threshold,
+        },
         solution::{Solution, about},
         solve::solve,
         solver::Solver,
@@ -95,7 +98,11 @@ mod _midair {
         toolbox::register,
     };
 
-    /// Highest frequency in Hz that the skin feels.
+    /// Felt force over the force that the channel of pressure passes, fitted once.
+    #[pymodule_export]
+    const GAIN: f64 = touch::GAIN;
+
+    /// Highest frequency in Hz that the model of the skin counts.
     #[pymodule_export]
     const HIGHEST: f64 = touch::HIGHEST;
 

@@ -2,7 +2,7 @@
 
 use midair::InstructionSet;
 use midair::touch::{self, Channel};
-use numpy::{PyArrayDyn, PyReadonlyArray1, PyReadonlyArray3, PyReadonlyArrayDyn};
+use numpy::{PyArrayDyn, PyReadonlyArray1, PyReadonlyArray3, PyReadonlyArrayDyn, PyReadwriteArray4};
 use pyo3::types::PyComplex;
 
 use crate::array::Array;
@@ -70,7 +70,7 @@ impl Membrane {
     }
 }
 
-/// The spectrum up to 1 kHz of radiation pressure at places in frames that repeat.
+/// The spectrum up to `HIGHEST` of radiation pressure at places in frames that repeat.
 #[pyclass(module = "midair._midair")]
 pub(crate) struct Pushes(touch::Pushes, usize);
 
@@ -118,6 +118,33 @@ pub(crate) fn excess<'py>(
 ) -> PyResult<Array1<'py, f64>> {
     let places = squares.shape()[1];
     Ok(channel(fast).excess(frequencies.as_slice()?, squares.as_slice()?, places).into_pyarray(py))
+}
+
+/// Return the part (P,) that the channel of pressure passes of lines (L, P) at frequencies (L,) in Hz above 0.
+#[pyfunction]
+pub(crate) fn steady<'py>(
+    py: Python<'py>,
+    frequencies: PyReadonlyArray1<'py, f64>,
+    lines: PyReadonlyArray2<'py, Complex32>,
+) -> PyResult<Array1<'py, f64>> {
+    Ok(touch::steady(frequencies.as_slice()?, lines.as_slice()?, lines.shape()[1]).into_pyarray(py))
+}
+
+/// Add |P|^2/2 of points to sums (K, B, 3, T), as the core's `demodulate`: `amplitudes` (V, U) in frames `order` (T,), a
+/// frame's part `late` of the one before, `weights` and `bins` (K, V).
+#[pyfunction]
+pub(crate) fn demodulate<'py>(
+    py: Python<'py>,
+    amplitudes: PyReadonlyArray2<'py, Complex32>,
+    order: PyReadonlyArray1<'py, usize>,
+    late: f64,
+    weights: PyReadonlyArray2<'py, f32>,
+    bins: PyReadonlyArray2<'py, usize>,
+    mut sums: PyReadwriteArray4<'py, f64>,
+) -> PyResult<()> {
+    let (amplitudes, order, sums) = (amplitudes.as_slice()?, order.as_slice()?, sums.as_slice_mut()?);
+    let (weights, bins) = (weights.as_slice()?, bins.as_slice()?);
+    attend(py, None, |mut control| touch::demodulate(amplitudes, order, late, weights, bins, sums, &mut control))
 }
 
 /// Return (L,) whether each spectral line (L, P) is above rounding errors at some place.

@@ -100,7 +100,7 @@ class Kinds:
             if taken:
                 return "ArrayLike" if one in ("int", "float") else f"Sequence[{one}]"
             return f"list[{one}]"
-        if re.match(r"(Py(Readonly)?)?Array[\dD]", name):
+        if re.match(r"(Py(Readonly|Readwrite)?)?Array[\dD]", name):
             return f"NDArray[np.{NUMBERS[inner]}]"
         if name == "Self":
             return owner

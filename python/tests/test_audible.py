@@ -115,6 +115,14 @@ def test_levels_are_a_weighted_and_go_with_the_square_of_the_drive(monkeypatch: 
     assert "dB(A)" in repr(level)
     assert "audible" in level.to_dict()
     assert beat.exposure(ears)["ear"].audible is None
+    done: list[tuple[int, int]] = []
+    again = beat.exposure(ears, audible=True, progress=lambda *step: done.append(step))
+    assert again.loudest == level.loudest
+    assert done[0][0] == 0 < done[1][0] <= done[-1][0] == done[-1][1]
+    with pytest.raises(KeyboardInterrupt):
+        beat.exposure(ears, audible=True, progress=lambda *_: False)
+    with pytest.raises(midair.SceneError, match="progress is 3: give a function of"):
+        beat.exposure(ears, progress=3)
     with pytest.raises(midair.SceneError, match="audible is True: give a sequence"):
         solution.exposure(ears, audible=True)
     monkeypatch.setenv("MIDAIR_MEMORY", "100kB")

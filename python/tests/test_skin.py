@@ -312,7 +312,7 @@ def test_the_part_of_pressure_is_that_of_plain_fourier_lines() -> None:
     scene = midair.Scene(ARRAY, touch.places)
     pressure = np.abs(scene.propagation().astype(complex) @ sequence.drives.T.astype(complex)) ** 2
     pressure /= scene.density * scene.sound_speed**2
-    orders = np.arange(1, int(1000 / frequency) + 1)
+    orders = np.arange(1, int(500 / frequency) + 1)
     lines = np.fft.fft(pressure, axis=1)[:, orders % count] * 2 / count * np.sinc(orders / count)
     exact = np.sqrt((np.abs(lines) ** 2 / (1 + (orders * frequency / 15) ** 2)).sum(axis=1))
     assert touch.pressed == pytest.approx(exact, rel=1e-3, abs=1e-4 * exact.max())
@@ -348,13 +348,18 @@ def test_larger_steps_feel_like_vibration_and_press_as_much() -> None:
 
 
 @pytest.mark.slow
-def test_a_circling_focus_is_felt_twelve_times_but_four_foci_are_not() -> None:
+def test_a_circling_focus_or_group_is_felt_about_twelve_times_but_a_ring_is_not() -> None:
     """Checks Morisaki et al. 2024, 0.24 N for the 0.02 N of four foci that circle on 3 mm at 5 Hz. The model
-    gives it for one focus on this circle. It fails for four evenly spaced foci, which hardly change the
-    pressure; the abstract does not state how the four were arranged.
+    gives about 12 for one focus, and for four that circle as a group, side by side. It fails for four evenly
+    spaced foci, which hardly change the pressure. The abstract does not state how the four were arranged.
     """
     one = midair.skin(played(ring(0.003, 200), 1000), PUSHED)
     assert one.felt_force / force(one) == pytest.approx(12, rel=0.15)
+    row, square = np.array([[-3, 0], [-1, 0], [1, 0], [3, 0]]) / 2, np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]]) / 2
+    for group, gap in ((row, 1e-3), (row, 3e-3), (square, 1e-3), (square, 3e-3)):
+        points = ring(0.003, 100) + np.pad(gap * group, [(0, 0), (0, 1)])
+        four = midair.skin(played(points, 500), PUSHED)
+        assert four.felt_force / force(four) == pytest.approx(12, rel=0.25)
     four = midair.skin(played(ring(0.003, 100, 4), 500), PUSHED)
     assert four.felt_force / force(four) < 3
 
@@ -414,7 +419,7 @@ def test_kept_frames_have_the_lines_of_their_steps() -> None:
     assert touch.spectrum(MIDDLE)[1] < 1e-3 * touch.spectrum(MIDDLE)[0]
 
 
-def test_what_repeats_faster_than_1_khz_is_not_felt() -> None:
+def test_what_repeats_faster_than_500_hz_is_not_felt() -> None:
     touch = midair.skin(played(np.broadcast_to(MIDDLE, (2, 1, 3)), 4e3, np.array([1.0, 0.0])), PLANE)
     assert touch.displacement.shape == (0, 441)
     assert touch.level == -np.inf

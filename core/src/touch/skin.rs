@@ -2,7 +2,7 @@
 
 use crate::prelude::*;
 use crate::scene::{Array, Axis, Plane, distance};
-use crate::touch::{Channel, HIGHEST, Membrane, REACH, felt_width, strength};
+use crate::touch::{Channel, GAIN, HIGHEST, Membrane, REACH, felt_width, steady, strength};
 
 /// Spectral lines weaker than this fraction of the strongest one are rounding errors and are left out.
 const QUIET: f32 = 1e-6;
@@ -10,7 +10,7 @@ const QUIET: f32 = 1e-6;
 /// Number of places whose spectra are summed at once, so that they stay in the cache.
 const BLOCK: usize = 256;
 
-/// Spectrum up to 1 kHz of the radiation pressure at P places, in a sequence of T frames that repeats without end.
+/// Spectrum up to [`HIGHEST`] of the radiation pressure at P places, in a sequence of T frames that repeats without end.
 #[derive(Clone, Debug)]
 pub struct Pushes {
     count: usize,
@@ -32,10 +32,10 @@ impl Pushes {
             return Err(Error::out_of_range("frames", value, "give at least one, and one place"));
         }
         let apart = rate / count as f64;
-        // A line at 1 kHz is kept even if rounding has moved its frequency slightly above 1 kHz.
+        // A line at the end is kept even if rounding has moved its frequency slightly above it.
         let lines = (HIGHEST / apart * (1.0 + 1e-9)) as usize;
         control.room("the spectrum at a skin", [0, places], bytes(8, &[lines, places.saturating_add(1)]))?;
-        let frequencies = (1..=lines).map(|k| k as f64 * apart).collect();
+        let frequencies = (1..=lines).map(|k| (k as f64 * apart).min(HIGHEST)).collect();
         Ok(Self { count, places, frequencies, mean: vec![0.0; places], lines: vec![Complex32::ZERO; lines * places] })
     }
 
@@ -82,8 +82,8 @@ impl Pushes {
 getters! {
     Pushes:
 
-    /// Returns the frequencies f (L,) of the spectral lines in Hz, 0 < f <= 1 kHz. There is none if the sequence
-    /// repeats more often than 1000 times a second.
+    /// Returns the frequencies f (L,) of the spectral lines in Hz, 0 < f <= 500 Hz. There is none if the sequence
+    /// repeats more often than 500 times a second.
     pub frequencies(self) -> &[f64] = &self.frequencies;
 
     /// Returns the mean pressure over time (P,) in Pa.
@@ -231,6 +231,10 @@ pub fn hand(points: &[[f64; 3]], array: &Array, margin: f64, pixels: usize) -> R
 pub struct Touch {
     /// The skin's motion and its excess of the thresholds.
     pub skin: Skin,
+    /// The radiation pressure (P,) in Pa that the channel of pressure passes.
+    pub pressed: Vec<f64>,
+    /// Side of the square around a place in m.
+    step: f64,
     /// Number of frames.
     count: usize,
     /// Frames per second.
@@ -258,7 +262,7 @@ impl Touch {
         let mut pushes = Pushes::new(count / stride, rate / stride as f64, places.len(), control)?;
         if pushes.frequencies().is_empty() {
             let lap = format!("{} a second", rate / count as f64);
-            return Err(Error::out_of_range("laps", lap, "give at most 1000: a skin perceives nothing above 1 kHz"));
+            return Err(Error::out_of_range("laps", lap, "give at most 500: the thresholds end at 500 Hz"));
         }
         for sample in 0..count / stride {
             pushes.add(sample, &pushed(sample * stride)?, control)?;
@@ -268,7 +272,7 @@ impl Touch {
         let step = distance(places[0], places[1]);
         let (frequencies, lines) = (pushes.frequencies(), pushes.lines());
         let skin = Skin::on_plane(&membrane, frequencies, lines, [side, side], [step, REACH], control)?;
-        Ok(Self { skin, count, rate })
+        Ok(Self { skin, pressed: steady(frequencies, lines, places.len()), step, count, rate })
     }
 
     /// The number of frames.
@@ -287,6 +291,11 @@ impl Touch {
         let best = largest(&rms);
         let course = (0..self.count).flat_map(|frame| self.at(frame, best..best + 1));
         course.fold(0.0, |most, w| f64::from(w.abs()).max(most))
+    }
+
+    /// Returns the force in N of a contact that is felt alike, to a factor of 2.
+    pub fn force(&self) -> f64 {
+        GAIN * self.step * self.step * self.pressed.iter().sum::<f64>()
     }
 
     /// Returns the felt width in m at the strongest of the places.

@@ -10,13 +10,12 @@ Far from a narrow beam of amplitude P0 f(t) and area S this is Berktay's formula
 beta P0^2 S/(16 pi rho c^4 r alpha) d^2 f^2/dt^2.
 """
 
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Scene, memory_limit
+from .._midair import Scene, demodulate, memory_limit
 from .._sequence import Sequence
 from .._sequence.drives import rows
 from .._sequence.felt import RECEIVED, a_weighting
@@ -47,77 +46,48 @@ COUNTED = 32
 #: Width in m of the bins of ways to an ear: a tenth of a radian at 7 kHz.
 BIN = 2.5e-3
 
-#: Largest number of entries of G, and of frames times points, in a block.
-BLOCK = 1 << 23
+#: Largest number of products (transducers x frames x points) in a block, and of delays and lines: they take a tenth
+#: of a second.
+WORK, CELLS = 1 << 29, 1 << 20
 
 
-class Beam(NamedTuple):
-    """Planes in front of an array that hold its ultrasound.
+def planes(scene: Scene, ears: NDArray[np.float64]) -> Iterator[tuple[NDArray[np.float64], float]]:
+    """Yield the points (V, 3) in m of planes in front of an array, and the volume in m^3 of each point.
 
-    Attributes
-    ----------
-    middle, axis, across
-        Middle of the transducers (3,) in m, mean of their normals (3,), and two directions (2, 3) across it.
-    width
-        (2,): width of the array in m along these directions.
-    first, most, end
-        Distances in m of the planes along the axis: of the first, of those that count fully, of the last.
-    ears
-        (K,): distances of the ears in m along the axis.
+    |P|^2 has no spatial frequency above k D/sqrt(z^2 + D^2/4), where D is the width of the array. A regular
+    grid that is finer than the shortest period integrates exactly, near to an ear a finer one.
     """
-
-    middle: NDArray[np.float64]
-    axis: NDArray[np.float64]
-    across: NDArray[np.float64]
-    width: NDArray[np.float64]
-    first: float
-    most: float
-    end: float
-    ears: NDArray[np.float64]
-
-    @classmethod
-    def of(cls, scene: Scene, ears: NDArray[np.float64]) -> "Beam":
-        axis, middle = scene.array.normals.mean(axis=0), scene.array.positions.mean(axis=0)
-        if np.linalg.norm(axis) < 0.5:
-            raise refused("array", "transducers that face each other", "give an array that radiates to one side")
-        axis /= np.linalg.norm(axis)
-        across = np.linalg.svd(axis[None])[2][1:]
-        apart = scene.array.positions - middle
-        width = 2 * np.abs(apart @ across.T).max(axis=0) + scene.wavelength
-        along, first = (ears - middle) @ axis, float((apart @ axis).max())
-        most = max(float(along.max()), float(np.linalg.norm(width))) + BEYOND
-        end = min(2 * most, END / (2 * max(scene.absorption, 1e-9)))
-        return cls(middle, axis, across, width, first, most, end, along - first)
-
-    def planes(self, wavelength: float) -> Iterator[tuple[NDArray[np.float64], float]]:
-        """Yield the points (V, 3) of each plane, and the volume in m^3 of each point.
-
-        |P|^2 has no spatial frequency above k D/sqrt(z^2 + D^2/4), where D is the width of the array. A
-        regular grid that is finer than the shortest period integrates exactly, near to an ear a finer one.
-        """
-        z, step, turn = 0.0, STEP, 0.0
-        while z < self.end:
-            at = z + step / 2
-            taper = 1.0 if at < self.most else float(np.cos(np.pi / 2 * (at / self.most - 1)) ** 2)
-            fine = FINE * wavelength * np.sqrt(at**2 + self.width**2 / 4) / self.width
-            fine = np.minimum(fine, max(CLOSE, float(np.abs(self.ears - at).min()) / 2))
-            half = np.ceil((0.6 * self.width + SLANT * at) / fine)
-            # The grids of successive planes are shifted, so that their errors do not add.
-            sides = [(np.arange(-n, n + 1) + turn) * d for n, d in zip(half, fine, strict=True)]
-            grid = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 2)
-            points = self.middle + (self.first + at) * self.axis + grid @ self.across
-            yield points, taper * step * float(np.prod(fine))
-            z, step, turn = z + step, min(step * GROWTH, WIDEST), (turn + 0.618) % 1
+    axis, middle = scene.array.normals.mean(axis=0), scene.array.positions.mean(axis=0)
+    if np.linalg.norm(axis) < 0.5:
+        raise refused("array", "transducers that face each other", "give an array that radiates to one side")
+    axis /= np.linalg.norm(axis)
+    across, apart = np.linalg.svd(axis[None])[2][1:], scene.array.positions - middle
+    width = 2 * np.abs(apart @ across.T).max(axis=0) + scene.wavelength
+    along, first = (ears - middle) @ axis, float((apart @ axis).max())
+    # Planes up to here count fully.
+    most = max(float(along.max()), float(np.linalg.norm(width))) + BEYOND
+    z, step, turn = 0.0, STEP, 0.0
+    while z < min(2 * most, END / (2 * max(scene.absorption, 1e-9))):
+        at = z + step / 2
+        taper = 1.0 if at < most else float(np.cos(np.pi / 2 * (at / most - 1)) ** 2)
+        fine = FINE * scene.wavelength * np.sqrt(at**2 + width**2 / 4) / width
+        fine = np.minimum(fine, max(CLOSE, float(np.abs(along - first - at).min()) / 2))
+        half = np.ceil((0.6 * width + SLANT * at) / fine)
+        # The grids of successive planes are shifted, so that their errors do not add.
+        sides = [(np.arange(-n, n + 1) + turn) * d for n, d in zip(half, fine, strict=True)]
+        grid = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 2)
+        yield middle + (first + at) * axis + grid @ across, taper * step * float(np.prod(fine))
+        z, step, turn = z + step, min(step * GROWTH, WIDEST), (turn + 0.618) % 1
 
 
 def distances(points: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the distances (V, K) in m of points (V, 3) from others (K, 3)."""
-    squares = np.sum(points**2, axis=1)[:, None] + np.sum(others**2, axis=1) - 2 * points @ others.T
-    found: NDArray[np.float64] = np.sqrt(np.maximum(squares, 0))
-    return found
+    return np.linalg.norm(points[:, None] - others, axis=2)
 
 
-def audible_lines(played: Sequence, ears: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def audible_lines(
+    played: Sequence, ears: NDArray[np.float64], progress: Callable[[int, int], object] | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return frequencies (L,) in Hz and peak pressures (K, L) in Pa of the audible lines at ears (K, 3).
 
     The envelope reaches a point by the mean way from the transducers, weighted by their energy there. The
@@ -127,13 +97,11 @@ def audible_lines(played: Sequence, ears: NDArray[np.float64]) -> tuple[NDArray[
     scene = played._scene.replace(signature=None)
     rate, count = played.rate, len(played)
     drives, which = np.unique(played.drives, axis=0, return_inverse=True)
-    which = which.ravel()
-    e = np.exp(-1 / (rate * TAU))
-    turns = np.exp(-2j * np.pi * np.arange(count) / count)
-    late = (1 - e) * turns / (1 - e * turns)
-    beam = Beam.of(scene, ears)
-    farthest = np.linalg.norm(ears - beam.middle, axis=1).max() + 4 * (beam.width.sum() + (1 + SLANT) * beam.end)
-    bins = int(farthest / BIN)
+    which = which.ravel().astype(np.uintp)
+    air, positions = list(planes(scene, ears)), scene.array.positions
+    # The longest way to an ear ends before this bin.
+    corners = np.concatenate([points[[0, -1]] for points, _ in air])
+    bins = int((distances(corners, positions).max() + 2 * distances(corners, ears).max()) / BIN)
     size, most = 24 * len(ears) * bins * count, memory_limit()
     if size > most:
         places = counted(len(ears), "place")
@@ -141,40 +109,46 @@ def audible_lines(played: Sequence, ears: NDArray[np.float64]) -> tuple[NDArray[
             f"the audible sound of {count} frames at {places} needs {size * 1e-9:.3f} GB, the limit is "
             f"{most * 1e-9:.3f} GB: give fewer frames, or a higher limit (MIDAIR_MEMORY in the environment)"
         )
-    sums = np.zeros((len(ears), 3, bins, count))
-    some, used = slice(None, None, max(len(scene.array) // COUNTED, 1)), 0
-    for points, volume in beam.planes(scene.wavelength):
-        length = max(1, BLOCK // max(len(scene.array), count))
+    sums = np.zeros((len(ears), bins, 3, count))
+    some, used, done = slice(None, None, max(len(positions) // COUNTED, 1)), 0, 0
+    total = sum(len(points) for points, _ in air)
+    length = max(WORK // drives.size, 64)
+    for points, volume in air:
         for start in range(0, len(points), length):
+            if progress is not None and progress(done, total) is False:
+                raise KeyboardInterrupt
             part = points[start : start + length]
             gains = rows(scene, part)
-            a = (gains @ drives.T)[:, which]
             shares = np.square(np.abs(gains[:, some]))
-            ways = distances(part, scene.array.positions[some])
+            ways = distances(part, positions[some])
             way = np.sum(shares * ways, axis=1) / np.maximum(shares.sum(axis=1), 1e-30)
-            b = np.fft.ifft(np.fft.fft(a, axis=1) * late, axis=1).astype(np.complex64) - a
-            terms = np.abs(a) ** 2 / 2, (a * b.conj()).real, np.abs(b) ** 2 / 2
-            for sound, ear in zip(sums, ears, strict=True):
-                away = distances(part, ear[None])[:, 0]
-                bin_of = ((way + away) / BIN).astype(np.int64)
-                order = np.argsort(bin_of, kind="stable")
-                found, begins = np.unique(bin_of[order], return_index=True)
-                used = max(used, int(found[-1]) + 1)
-                weights = (volume / np.maximum(away, scene.wavelength)).astype(np.float32)[order, None]
-                for total, term in zip(sound, terms, strict=True):
-                    total[found] += np.add.reduceat(term[order] * weights, begins, axis=0)
+            away = distances(ears, part)
+            bin_of = ((way + away) / BIN).astype(np.uintp)
+            weights = (volume / np.maximum(away, scene.wavelength)).astype(np.float32)
+            demodulate(gains @ drives.T, which, np.exp(-1 / (rate * TAU)), weights, bin_of, sums)
+            used, done = max(used, int(bin_of.max()) + 1), done + len(part)
+    if progress is not None:
+        progress(total, total)
+    return _summed(sums[:, :used], scene, rate)
+
+
+def _summed(sums: NDArray[np.float64], scene: Scene, rate: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the lines' frequencies (L,) in Hz and pressures (K, L) in Pa, of sums (K, bins, 3, T)."""
+    used, _, count = sums.shape[1:]
     lines = np.arange(1, int(RECEIVED[1] * count / rate) + 1)
     frequencies = np.asarray(lines * (rate / count), np.float64)
     w = 2j * np.pi * frequencies
-    far = (np.arange(used) + 0.5) * BIN
-    summed = np.zeros((len(ears), len(lines)), np.complex128)
-    for k in range(3):
-        decay = w + k / TAU
-        inside = (1 - np.exp(-decay / rate)) / decay
-        delays = np.exp(-np.outer(far, w) / scene.sound_speed)
-        for sound, line in zip(sums, summed, strict=True):
-            spectra = np.fft.fft(sound[k, :used], axis=1)[:, lines % count]
-            line += inside * np.sum(delays * spectra, axis=0)
+    inside = [(1 - np.exp(-(w + k / TAU) / rate)) / (w + k / TAU) for k in range(3)]
+    spectra = [np.fft.fft(sums[:, :, k]) for k in range(3)]
+    summed = np.zeros((len(sums), len(lines)), np.complex128)
+    far = (np.arange(used) + 0.5) * (BIN / scene.sound_speed)
+    length = max(CELLS // used, 1)
+    for start in range(0, len(lines), length):
+        part = slice(start, start + length)
+        delays = np.exp(-np.outer(far, w[part]))
+        for k in range(3):
+            turned = np.einsum("rl,krl->kl", delays, spectra[k][..., lines[part] % count])
+            summed[:, part] += inside[k][part] * turned
     scale = BETA / (4 * np.pi * scene.density * scene.sound_speed**4) * np.abs(w) ** 2
     pressures: NDArray[np.float64] = np.abs(summed) * scale * 2 * rate / count
     return frequencies, pressures

@@ -1,5 +1,7 @@
 """`midair.exposure`: sound pressure levels at named places, beside a limit; audible levels of sequences."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field as member, replace
 from itertools import product
@@ -13,7 +15,7 @@ from .._points.ear import REFERENCE, Ear
 from .._sequence import Sequence
 from .._sequence.drives import rows
 from .._support import text as columns
-from .._support.arguments import flag, number, refused, warn, without_warnings
+from .._support.arguments import callback, flag, number, refused, warn, without_warnings
 from .audible import audible_lines, loudness
 
 
@@ -206,6 +208,13 @@ class Exposure:
         """Names of the places where the level is above the limit."""
         return tuple(place.name for place in self.places if place.spl > self.limit.spl)
 
+    def _with(self, frequencies: NDArray[np.float64] | None, sound: NDArray[np.float64]) -> Exposure:
+        """Return this with the lines (L,) in Hz and (K, L) in Pa of its audible sound."""
+        assert frequencies is not None
+        levels_of = zip(self.places, loudness(frequencies, sound), strict=True)
+        places = tuple(replace(one, audible=float(level)) for one, level in levels_of)
+        return Exposure(places, self.limit, frequencies, sound)
+
     def to_dict(self) -> dict[str, list[Any]]:
         """Return the table as columns: place, spl, over (the limit), audible in dB, x, y, z in m, frame."""
         places = self.places
@@ -270,6 +279,7 @@ def exposure(
     *,
     limit: str | float = "howard",
     audible: bool = False,
+    progress: Callable[[int, int], object] | None = None,
 ) -> Exposure:
     """Compute sound pressure levels at named places, beside a limit and its source.
 
@@ -286,8 +296,10 @@ def exposure(
     limit : str or float, optional
         "howard" (110 dB), "acgih" (115), "acgih air" (145), "irpa" (100), or a level in dB.
     audible : bool, optional
-        Whether to compute the audible sound that the air makes of a sequence, clicks between frames included:
-        seconds for one AUTD3 board, ten times as long for four.
+        Whether to compute the audible sound that the air makes of a sequence, clicks between frames included.
+        Its time grows with frames times transducers.
+    progress : callable, optional
+        Called with (points, of how many) of the air; `audible` stops if it returns False.
 
     Returns
     -------
@@ -331,6 +343,7 @@ def exposure(
     named = limit_of(scene, limit)
     boxes = _boxes(places)
     wanted = flag("audible", audible)
+    callback(progress, "points, of how many")
     if wanted and not isinstance(drive, Sequence):
         raise refused("audible", audible, "give a sequence: a drive that does not change makes no audible sound")
     blocks = _of_frames(scene, drive) if isinstance(drive, Sequence) else _of_one(scene, drive)
@@ -354,12 +367,11 @@ def exposure(
         spl = -np.inf if there[frame] == 0 else 20 * np.log10(there[frame] / np.sqrt(2) / REFERENCE)
         x, y, z = map(float, place)
         found.append(Exposed(name, float(spl), (x, y, z), frame))
+    levels_at = Exposure(tuple(found), named)
     if not (wanted and isinstance(drive, Sequence)):
-        return Exposure(tuple(found), named)
-    frequencies, sound = audible_lines(drive, np.array([(low + high) / 2 for low, high in boxes.values()]))
-    levels_of = zip(found, loudness(frequencies, sound), strict=True)
-    sounding = tuple(replace(one, audible=float(level)) for one, level in levels_of)
-    return Exposure(sounding, named, frequencies, sound)
+        return levels_at
+    middles = np.array([(low + high) / 2 for low, high in boxes.values()])
+    return levels_at._with(*audible_lines(drive, middles, progress))
 
 
 def _boxes(places: Any) -> dict[str, tuple[Points, Points]]:

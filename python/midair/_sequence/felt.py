@@ -97,8 +97,7 @@ BANDS: tuple[tuple[float, float], ...] = ((5.0, 50.0), (50.0, 500.0))
 def threshold(frequency: ArrayLike) -> NDArray[np.float64]:
     """Return the smallest vibration that the palm perceives at frequencies in Hz, as peak displacement in m.
 
-    The result is the threshold of the more sensitive channel, and inf outside of 1 to 1000 Hz.
-    Above 500 Hz it is an extrapolation.
+    The result is the threshold of the more sensitive channel, and inf outside of 1 to 500 Hz.
     """
     frequencies = np.atleast_1d(numbers("frequency", frequency, None, "give frequencies in Hz"))
     return np.minimum(*(_midair.threshold(fast, frequencies) for fast in (False, True)))
@@ -147,7 +146,7 @@ class Felt(Facts):
 
     @property
     def thresholds(self) -> NDArray[np.float64]:
-        """Smallest peak displacement of the palm that is felt at each frequency, in m; inf beyond 1 kHz.
+        """Smallest peak displacement of the palm that is felt at each frequency, in m; inf beyond 500 Hz.
 
         The levels are not verified (docs/touch.md). `midair.skin` compares displacements with them.
         """

@@ -517,7 +517,7 @@ class Frames:
     def _push_lines(
         self, places: NDArray[np.float64], tau: float
     ) -> tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.complex64]]:
-        """Return frequencies (L,) of lines up to 1 kHz, the mean (P,) and amplitudes (L, P) in Pa."""
+        """Return frequencies (L,) of lines up to 500 Hz, the mean (P,) and amplitudes (L, P) in Pa."""
         pushes = Pushes(len(self), self._rate, len(places))
         for frames, values in self._pushes(places, tau):
             pushes.add(frames.start, np.ascontiguousarray(values))

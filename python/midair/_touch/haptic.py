@@ -42,6 +42,9 @@ QUIET = (math.pi / 4, math.pi / 16)
 #: Names of the arguments of the model.
 MODEL = ("speed", "loss", "mass", "reach", "tau")
 
+#: The audible sound of frames is lowered with them if all amplitudes are lowered alike, up to this part.
+SAME = 1e-6
+
 #: Largest number of times that a level is lowered. Frames with one amplitude need one.
 LOWERINGS = 20
 
@@ -346,7 +349,11 @@ class _Judge:
             points, targets, setting = played.points, played.targets * factor, played.setting()
             obstacles = played._scene.obstacles
             softer = Sequence(played.array, points, targets, drives, obstacles=obstacles, **setting)
-            levels = exposure(softer, ears, limit=limit, audible=audible)
+            shares = parts[amplitudes > 0] / amplitudes[amplitudes > 0]
+            alike = loud.sound is not None and np.ptp(shares) < SAME * shares.max()
+            levels = exposure(softer, ears, limit=limit, audible=audible and not alike)
+            if alike:
+                levels = levels._with(loud.frequencies, loud.sound * (factor * shares.mean()) ** 2)
         return judged._replace(skin=None, exposure=loud)
 
     def _judged(

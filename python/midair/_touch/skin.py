@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _midair
-from .._midair import HIGHEST, REACH, Membrane, Mesh, Plane, decibels, excess, hand as hand_through, strength
+from .._midair import HIGHEST, REACH, Membrane, Mesh, Plane, decibels, excess, hand as hand_through, steady, strength
 from .._pictures.colours import MAPS, Axes, Figure, Map, Size
 from .._pictures.panel import squares
 from .._sequence import Sequence
@@ -24,15 +24,6 @@ SYMMETRIC = {"SymmetricMode": True}
 
 #: Largest plausible `reach` in m.
 WIDEST = 0.02
-
-#: Frequency in Hz above which the channel of pressure (SA-I) passes less: the end of the 5 to 15 Hz at which
-#: a moving focus is felt as a steady push (Morisaki et al., IEEE Trans. Haptics 15(2), 2022,
-#: 10.1109/TOH.2021.3125843).
-STEADY = 15.0
-
-#: Felt force over the force that this channel passes, fitted once: 0.21 N felt for 0.027 N (the same paper),
-#: with a focus that swings by 3 mm at 5 Hz; the abstract does not state the swing.
-GAIN = 9.0
 
 #: Default wave speed in m/s, loss factor, and mass in kg/m^2.
 SPEED: float
@@ -50,19 +41,6 @@ def model_of(
     if width > WIDEST:
         warn(f"reach is {width:g} m, wider than a finger: give {width * 1e-3:g} if mm are meant")
     return membrane, width, number("tau", tau, least=0)
-
-
-def steady(frequencies: NDArray[np.float64], lines: NDArray[np.complex64]) -> NDArray[np.float64]:
-    """Return the part (P,) of lines (L, P) above 0 Hz that the channel of pressure passes.
-
-    It is sqrt(sum of |line|^2/(1 + (f/STEADY)^2)). Slowly adapting units are most sensitive at the lowest
-    frequencies, fast ones from 8 to 64 Hz (Johansson et al., Brain Res. 244, 17, 1982). They sense curvature
-    (IEEE EMBC 2009, 5334487), which in a sheet that moves slowly is -p/T. A push at rest is not felt
-    (Morisaki et al. 2022).
-    """
-    squares = np.square(lines.view(np.float32)).reshape(*lines.shape, 2).sum(axis=2)
-    found: NDArray[np.float64] = np.sqrt((1 / (1 + np.square(frequencies / STEADY))) @ squares)
-    return found
 
 
 def on_mesh(
@@ -189,7 +167,7 @@ def skin(
     -----
     The skin is an infinite membrane, or the surface of a mesh. Its load is the radiation pressure
     |p|^2/(rho c^2); on a mesh times the squared cosine of the incidence, and 0 on its far side. Each line of
-    the sequence's spectrum up to 1 kHz is solved alone, which is exact, because the membrane is linear. The
+    the sequence's spectrum up to 500 Hz is solved alone, which is exact, because the membrane is linear. The
     static load is left out, and so is pressure outside of the hand. A frame lasts until the next one, so the
     spectrum contains its steps. `docs/touch.md` compares the model with published results.
 
@@ -250,7 +228,7 @@ class Skin(Facts):
     pressure : (P,) ndarray
         Radiation pressure in Pa, the mean over time.
     frequencies : (L,) ndarray
-        The lines in Hz, above 0 up to 1 kHz.
+        The lines in Hz, above 0 up to 500 Hz.
     displacement : (L, P) ndarray of complex64
         In m: the real part times e^(2 pi j f t) is the motion.
     slow, fast : (P,) ndarray
@@ -291,7 +269,7 @@ class Skin(Facts):
         The factor is fitted to 0.21 N felt for 0.027 N (Morisaki et al., IEEE Trans. Haptics 15(2), 2022); no
         model explains it. 0.24 N for 0.02 N (the same, 2024, 10.1109/TOH.2023.3338230) sets the uncertainty.
         """
-        return float(GAIN * np.sum(self.pressed * self._areas))
+        return float(_midair.GAIN * np.sum(self.pressed * self._areas))
 
     @property
     def _areas(self) -> NDArray[np.float64] | float:
