@@ -55,6 +55,8 @@ test("the sentence's numbers", () => {
   const touch = { most: 10, width: 0.012, peak: 1e-6, quantity: "felt" };
   const frame = { points: [], results: [null, null], names: ["", ""], touch };
   expect(sentenceOf({ ...view, frame } as unknown as View)).toEqual({ word: "skinFelt", put: { strength: "20 dB", width: "12 mm" } });
+  const pushed = { ...frame, touch: { ...touch, quantity: "push", force: 0.2114 } };
+  expect(sentenceOf({ ...view, frame: pushed } as unknown as View)).toEqual({ word: "pushFelt", put: { push: "211 mN" } });
 });
 
 test("the readout at the pointer", async () => {

@@ -49,6 +49,8 @@ test("the colour bar of strength has levels above the threshold, that of motion 
   // A mark has the colour of its strength.
   for (const { value, at } of marks) expect(colour(felt, value)).toEqual(colour({ ...felt, scale: "linear", top: 1 }, at));
   expect(ticks({ ...felt, top: 0.5 }).map(({ label }) => label)).toEqual(["\u221230 dB", "\u221220 dB", "\u221210 dB"]);
+  const push: Look = { ...felt, touch: "push", scale: "linear", top: 170 };
+  expect(ticks(push).map(({ label }) => label)).toEqual(["0", "50 Pa", "100 Pa", "150 Pa"]);
   const skin: Look = { ...felt, quantity: "wave", touch: "skin", scale: "linear", top: 45e-6 };
   expect(ticks(skin).map(({ label }) => label)).toEqual(["\u221240 µm", "\u221220 µm", "0", "20 µm", "40 µm"]);
   expect(ticks({ ...skin, top: 0.6e-6 }).at(-1)!.label).toBe("0.6 µm");

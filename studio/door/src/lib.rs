@@ -141,7 +141,8 @@ jobs! {
 
     /// Predicts the motion of a skin at the places (K, 3) in m in the numbers buffer, a square lattice. The frames that
     /// `studio_follow` has solved repeat for ever at `rate` frames per second. The numbers are the felt width in m, the largest
-    /// displacement in m, and the felt strength at each place; 1 is the threshold.
+    /// displacement in m, the force in N of a contact that is felt alike, and then at each place the felt strength, 1 at the
+    /// threshold; and at each place the pressure in Pa that is felt as a push.
     studio_skin(rate: f64) = skin;
 
     /// Writes the displacement of the skin in m at each place, at the start of a frame, into the numbers.

@@ -18,8 +18,8 @@ impl Studio {
         };
         let touch = Touch::of_frames(count, rate, &places, &mut pushed, &mut Control::none())?;
         self.frame(0)?;
-        self.numbers = vec![touch.width(&places), touch.peak()];
-        self.numbers.extend(touch.skin.strength());
+        self.numbers = vec![touch.width(&places), touch.peak(), touch.force()];
+        self.numbers.extend(touch.skin.strength().into_iter().chain(touch.pressed.iter().copied()));
         self.touch = Some(touch);
         Ok(())
     }

@@ -33,8 +33,9 @@ export function discsOf({ quantity, level }: State): Shade {
 export function lookOf(view: Pick<View, "state" | "frame"> & { results: Result[] }, theme: Theme, turn = 0): Look {
   const { state, results, frame } = view;
   if (frame?.touch) {
-    const { quantity: touch, most, peak } = frame.touch;
+    const { quantity: touch, most, peak, pressed } = frame.touch;
     if (touch === "felt") return { quantity: "modulus", touch, scale: "decibel", top: most || 1, turn: 0, theme };
+    if (touch === "push") return { quantity: "modulus", touch, scale: "linear", top: pressed || 1, turn: 0, theme };
     return { quantity: "wave", touch, scale: "linear", top: peak || 1e-6, turn: 0, theme };
   }
   const answers = results.flatMap(({ answer }) => answer ?? []);

@@ -78,6 +78,7 @@ export function sentenceOf(view: View): { word: Word; put: Record<string, string
   const { frame, state } = view;
   const [a] = shownOf(view);
   if (!a.answer) return null;
+  if (frame?.touch?.quantity === "push") return { word: "pushFelt", put: { push: `${Math.round(1000 * frame.touch.force)} mN` } };
   if (frame?.touch) return touchSentence(frame.touch, state.plane.size);
   if (touchOf(state)) return { word: "skinComing", put: {} };
   const count = a.answer.targets.filter((target) => target > 0).length;

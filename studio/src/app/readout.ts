@@ -30,7 +30,7 @@ export function createReadout({ studio, engine, say }: Context, shown: (line: st
       const touch = studio.view.frame?.touch;
       if (touch && lattice) {
         const [value] = sample(lattice, place);
-        const text = touch.quantity === "felt" ? `${strengthLevel(value).toFixed(1)} dB` : `${(1e6 * value).toFixed(1)} µm`;
+        const text = { felt: `${strengthLevel(value).toFixed(1)} dB`, push: pressure(value), skin: `${(1e6 * value).toFixed(1)} µm` }[touch.quantity];
         write([where, `${say(touch.quantity)} ${text}`]);
         continue;
       }

@@ -14,6 +14,7 @@ const TIPS: Record<string, Word> = {
   evenness: "uniformityTip",
   time: "timeTip",
   strength: "strengthTip",
+  push: "forceTip",
   width: "feltWidthTip",
 };
 
@@ -30,7 +31,7 @@ export function createSentence({ studio, say, language }: Context): { root: HTML
     const parts = WORDS[word][language === "ja" ? 1 : 0].split(/\{(\w+)\}/);
     const texts = parts.map((part, k) => {
       if (k % 2 === 0) return part;
-      const number = explained(element(["pressure", "strength"].includes(part) ? "strong" : "b"), say(TIPS[part]));
+      const number = explained(element(["pressure", "strength", "push"].includes(part) ? "strong" : "b"), say(TIPS[part]));
       numbers.push([part, number]);
       return number;
     });

@@ -104,7 +104,7 @@ const signed = (value: number) => `${value < 0 ? "\u2212" : ""}${Math.abs(value)
 
 /**
  * Returns the marks of the colour bar of `look`: |p| or Re p in Pa or kPa, |p| in dB below the top, the phase in rad, felt strength
- * in dB above the threshold, or displacement in um.
+ * in dB above the threshold, a push in Pa or kPa, or displacement in um.
  */
 export function ticks(look: Look): Tick[] {
   const waves = look.quantity === "wave";
@@ -127,7 +127,7 @@ export function ticks(look: Look): Tick[] {
       return { value: modulusAt(look, at), at, label: `${signed(level)} dB` };
     });
   }
-  const [unit, name] = look.touch ? [1e-6, "µm"] : look.top >= 1000 ? [1000, "kPa"] : [1, "Pa"];
+  const [unit, name] = look.touch === "skin" ? [1e-6, "µm"] : look.top >= 1000 ? [1000, "kPa"] : [1, "Pa"];
   const step = roundStep(look.top / unit / (waves ? 3 : 5));
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const count = Math.floor(look.top / unit / step + 1e-6);

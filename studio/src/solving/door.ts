@@ -97,11 +97,16 @@ export interface Motion {
   targets: Float64Array;
 }
 
-/** The predicted touch of a skin: felt width in m, largest displacement in m, and felt strength at each place, 1 at the threshold. */
+/**
+ * The predicted touch of a skin: felt width in m, largest displacement in m, force in N of a contact that is felt alike; and at
+ * each place the felt strength, 1 at the threshold, and the pressure in Pa that is felt as a push.
+ */
 export interface Touch {
   width: number;
   peak: number;
+  force: number;
   strengths: Float64Array;
+  pushes: Float64Array;
 }
 
 /**
@@ -293,8 +298,8 @@ export class Door {
   skin(places: Float64Array, rate: number): Touch {
     this.giveNumbers("places", places, 3);
     this.call("skin", rate);
-    const all = this.numbers();
-    return { width: all[0], peak: all[1], strengths: all.slice(2) };
+    const [all, end] = [this.numbers(), 3 + places.length / 3];
+    return { width: all[0], peak: all[1], force: all[2], strengths: all.slice(3, end), pushes: all.slice(end) };
   }
 
   /** Returns the displacement of that skin in m at each place, at the start of a frame. */

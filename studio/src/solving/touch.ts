@@ -1,6 +1,6 @@
 /** Touch: the slice on which a skin lies, and the predicted touch of this skin under frames that repeat for ever. */
 
-import type { Lattice, Quantity, State, Touched, TouchQuantity } from "../state/types.ts";
+import { type Lattice, type Quantity, type State, type Touched, TOUCHES, type TouchQuantity } from "../state/types.ts";
 import type { Hand } from "./engine.ts";
 import { gridOf } from "./lattices.ts";
 import type { Grid } from "./solve.worker.ts";
@@ -21,7 +21,7 @@ const ENTRIES = 1 << 23;
 /** Samples farther apart than this, in m, miss a focus. */
 const APART = 2.5e-3;
 
-export const isTouch = (quantity: Quantity): quantity is TouchQuantity => quantity === "felt" || quantity === "skin";
+export const isTouch = (quantity: Quantity): quantity is TouchQuantity => (TOUCHES as readonly string[]).includes(quantity);
 
 /** Returns the quantity of a skin that a state shows, if its points move on a path; otherwise null. */
 export const touchOf = ({ quantity, path }: State): TouchQuantity | null => (path && isTouch(quantity) ? quantity : null);
@@ -43,6 +43,8 @@ export function skinPlane({ points, path }: State): State["plane"] {
 export interface Skin extends Touched {
   /** The felt strength, 1 at the threshold. */
   felt: Lattice;
+  /** The pressure in Pa that is felt as a push. */
+  push: Lattice;
   /** Returns the displacement in m at the start of a frame. */
   moved(frame: number): Promise<Lattice>;
 }
@@ -57,9 +59,10 @@ export function limitsOf(transducers: number): { size: number; count: number } {
 export async function predict(hand: Hand, state: State, transducers: number, rate: number): Promise<Skin> {
   const { count } = limitsOf(transducers);
   const grid: Grid = { ...gridOf(state), nu: count, nv: count };
-  const { width, peak, strengths } = await hand.skin(grid, rate);
-  const most = strengths.reduce((a, b) => Math.max(a, b), 0);
-  return { width, peak, most, felt: real(grid, strengths), moved: async (frame) => real(grid, await hand.moved(frame)) };
+  const { strengths, pushes, ...touch } = await hand.skin(grid, rate);
+  const [most, pressed] = [strengths, pushes].map((values) => values.reduce((a, b) => Math.max(a, b), 0));
+  const moved = async (frame: number) => real(grid, await hand.moved(frame));
+  return { ...touch, most, pressed, felt: real(grid, strengths), push: real(grid, pushes), moved };
 }
 
 /** Returns a lattice of real values. */

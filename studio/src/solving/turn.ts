@@ -119,7 +119,7 @@ export class Turn {
     const shown: Shown = { points, results: [a, b], names: ["glide", ""], change: this.frames[t].change, beads };
     if (!quantity) return shown;
     this.skin ??= await predict(engine.slow, state, transducers, this.rate);
-    const lattice = quantity === "felt" ? this.skin.felt : await this.skin.moved(t);
+    const lattice = quantity === "skin" ? await this.skin.moved(t) : this.skin[quantity];
     // The skin is predicted for A's frames only.
     return stopped() ? null : { ...shown, results: [{ ...a, lattice }, b && { ...b, lattice: null }], touch: { ...this.skin, quantity } };
   }

@@ -11,7 +11,7 @@
 // | `t` | temperature, or temperature,Np/m,kg/m^3 of the air | `e` | ear: x,y,z |
 // | `m` | methods A.B | `g` | path: circle,radius,Hz or line,length,Hz |
 // | `p` | points: x,y,z or x,y,z,Pa | `w`, `s`, `k` | view, slot (a, b), scale |
-// | `d` | quantity: modulus, wave, phase, felt, skin | `n` | normal of the slice: x, y, z |
+// | `d` | quantity: modulus, wave, phase, felt, push, skin | `n` | normal of the slice: x, y, z |
 // | `h` | level of the page: play, compare, engineer | `x` | options of methods as JSON |
 // | `b` | bead: radius,kg/m^3,m/s, then gravity in m/s^2: x,y,z | | |
 //

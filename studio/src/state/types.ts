@@ -26,8 +26,8 @@ export const AXES = ["x", "y", "z"] as const;
 export const VIEWS = ["slice", "planes", "volume", "both"] as const;
 /** The parts of p that slices show. */
 export const SHADES = ["modulus", "wave", "phase"] as const;
-/** The predicted touch of a skin that slices show for points on a path: its felt strength, or its motion. */
-export const TOUCHES = ["felt", "skin"] as const;
+/** The predicted touch of a skin that slices show for points on a path: its felt strength, its steady push, or its motion. */
+export const TOUCHES = ["felt", "push", "skin"] as const;
 export const QUANTITIES = [...SHADES, ...TOUCHES] as const;
 /** The levels of the page: only the field, a comparison of two methods, or everything. */
 export const LEVELS = ["play", "compare", "engineer"] as const;
@@ -106,20 +106,25 @@ export interface Volume {
   moduli: Float32Array;
 }
 
-/** The predicted touch of a skin: largest strength (1 at the threshold), felt width in m, and largest displacement in m. */
+/**
+ * The predicted touch of a skin: largest strength (1 at the threshold), felt width in m, largest displacement in m, largest
+ * pressure in Pa that is felt as a push, and the force in N of a contact that is felt alike.
+ */
 export interface Touched {
   most: number;
   width: number;
   peak: number;
+  pressed: number;
+  force: number;
 }
 
 /** How p becomes a colour: its quantity, the theme, and for |p| a scale. */
 export interface Look {
   quantity: Shade;
-  /** The lattice is not p: it is the felt strength (drawn as |p|) or the displacement of a skin in m (drawn as a wave). */
+  /** The lattice is not p: it is the felt strength or push (drawn as |p|) or the displacement of a skin in m (drawn as a wave). */
   touch?: TouchQuantity;
   scale: ScaleName;
-  /** The |p| at the top of the scale in Pa, the strength, or the displacement in m. */
+  /** The |p| or push at the top of the scale in Pa, the strength, or the displacement in m. */
   top: number;
   /** The phase of the wave's animation, w t in rad. */
   turn: number;

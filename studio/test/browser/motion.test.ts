@@ -128,7 +128,7 @@ test("a path moves a skin: its felt strength, its motion, and back to |p|", asyn
   await page.evaluate(() => window.midair!.settled());
   const quantity = (name: string) => page.getByRole("group", { name: "What the slices show" }).getByRole("button", { name, exact: true });
   const touch = () => page.evaluate(() => window.midair!.state().touch as { level: number; width: number; peak: number } | null);
-  await quantity("Felt").click();
+  await quantity("Vibration").click();
   await expect.poll(touch, { timeout: 60_000 }).not.toBeNull();
   const { level, width } = (await touch())!;
   // By midair.skin, of a focus in each frame.
@@ -137,6 +137,9 @@ test("a path moves a skin: its felt strength, its motion, and back to |p|", asyn
   expect(await page.evaluate(() => window.midair!.state().plane)).toEqual({ axis: "z", z: 0.15, size: 0.08, center: [0, 0] });
   const ticks = () => page.locator(".ticks").first().innerText();
   expect(await ticks()).toMatch(/20 dB/);
+  await quantity("Pressure").click();
+  await expect.poll(() => summary("A")).toMatch(/^glide: Felt as a steady push of \d+ mN/);
+  expect(await ticks()).toMatch(/\d Pa/);
   await quantity("Skin").click();
   await expect.poll(ticks, { timeout: 60_000 }).toMatch(/\d µm/);
   await quantity("|p|").click();
@@ -162,5 +165,5 @@ test("a skin without a path, on too wide a slice or under slow points is refused
   await page.evaluate(() => window.midair!.set({ quantity: "skin", path: null }));
   await expect.poll(() => page.getByRole("alert").innerText()).toMatch(/^Did not work: A skin needs points that move again and again/);
   expect(await page.evaluate(() => window.midair!.state().quantity)).toBe("modulus");
-  await expect.poll(() => page.getByRole("button", { name: "Felt", exact: true }).isVisible()).toBe(false);
+  await expect.poll(() => page.getByRole("button", { name: "Vibration", exact: true }).isVisible()).toBe(false);
 });
