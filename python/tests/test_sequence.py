@@ -185,6 +185,9 @@ def test_a_path_above_the_speed_limit_is_reported(board):
     ):
         found = midair.sequence(board, quick, rate=RATE)
     assert found.metrics.largest_change <= np.pi / 16 + 1e-6
+    faster = midair.path.circle([0, 0, 0.15], 0.03, speed=7)
+    with pytest.warns(midair.SceneWarning, match=r"needs 2\.9 rad a frame, .* or change = pi would do"):
+        midair.sequence(midair.Array.preset("autd3"), faster, rate=1000)
 
 
 def test_a_bound_below_a_phase_step_is_reported_once():

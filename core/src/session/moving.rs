@@ -315,7 +315,11 @@ impl Moving {
         }
         let faster = ceil(self.rate * needed / allowed / 100.0) / 10.0;
         let wanted = step.map_or(needed, |step| step * ceil(needed / step));
-        let wider = if wanted <= PI { format!(" or change = pi/{}", (PI / wanted) as u32) } else { String::new() };
+        let wider = match (PI / wanted) as u32 {
+            0 => String::new(),
+            1 => " or change = pi".into(),
+            part => format!(" or change = pi/{part}"),
+        };
         let whole = phases.filter(|_| allowed < self.change * (1.0 - 1e-9));
         let whole = whole.map_or_else(String::new, |phases| format!(" in whole steps of {phases} phases"));
         let value = format!("{needs}, {} allowed{whole}", figures(allowed, 3));
