@@ -11,8 +11,9 @@ HOST_PYTHON := $(if $(WINDOWS),python,python3)
 export UV_PYTHON_DOWNLOADS := never
 export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
-# The tests of the core use the features of the Python extension, so that both share one compiled core.
 CORE := -p midair --no-default-features --features scene-file,parallel
+# Beside the Python extension, the core's dependencies have the extension's features: both share one compiled core.
+SHARED := -p midair -p midair-python --no-default-features --features midair/scene-file,midair/parallel
 SHOWN := naive,greedy,uniform
 BUILT := $(or $(CARGO_TARGET_DIR),target)/release
 PREFIX := /usr/local
@@ -50,7 +51,7 @@ check: .venv/ready ## The loop while you work: formatting, lints, guards, quick 
 	$(call step,formatting (1 s),$(CARGO) fmt --check && $(BIN)/ruff check --quiet $(CODE) && $(BIN)/ruff format --check --quiet $(CODE))
 	$(call step,core: clippy on the library (10 s),$(CARGO) clippy --quiet $(CORE) -- -D warnings)
 	$(call step,core: quick unit tests (15 s),$(CARGO) test --quiet $(CORE) --lib -- $(addsuffix ::,$(MODULE)))
-	$(call step,core: guards and quick tests (15 s),$(CARGO) test --quiet $(CORE) --test suite -- $(if $(MODULE),layers map unsafe_code $(MODULE)))
+	$(call step,core: guards and quick tests (15 s),$(CARGO) test --quiet $(SHARED) --test suite -- $(if $(MODULE),layers map unsafe_code $(MODULE)))
 	@$(MAKE) --no-print-directory .venv/extension
 	$(call step,package: quick tests (30 s),$(PYTHON) -m pytest --quiet -m "not slow")
 	@echo; echo "== all passed. Before you propose the change: make test"
@@ -86,8 +87,8 @@ outlook:
 	@echo "make test: lint, the core's tests, the package's tests; 18 minutes on two cores, a third of it when built before."
 
 test-rust: ## The core: tests, doctests, each feature set, no_std
-	$(call step,core: tests are compiled (5 min),$(CARGO) test $(CORE) --no-run)
-	$(call step,core: tests run (2 min),$(CARGO) test --quiet $(CORE) -- --include-ignored)
+	$(call step,core: tests are compiled (5 min),$(CARGO) test $(SHARED) --no-run)
+	$(call step,core: tests run (2 min),$(CARGO) test --quiet $(SHARED) -- --include-ignored)
 	$(call step,core: without features (5 s),$(CARGO) check -p midair --no-default-features)
 	$(call step,core: feature std (5 s),$(CARGO) check -p midair --no-default-features --features std)
 	$(call step,core: feature parallel (5 s),$(CARGO) check -p midair --no-default-features --features parallel)
@@ -244,13 +245,13 @@ api: .venv/extension # docs/api.md, docs/tutorials/first-focus.ipynb
 	$(PYTHON) book/reference.py
 
 map: # docs/map.md
-	MIDAIR_MAP=write $(CARGO) test --quiet $(CORE) --test suite map
+	MIDAIR_MAP=write $(CARGO) test --quiet $(SHARED) --test suite map
 
 header: # capi/include/midair.h
 	MIDAIR_HEADER=write $(CARGO) test --quiet -p midair-capi --test header
 
 golden: ## Write golden/ anew (a breaking change: say so in CHANGELOG.md)
-	MIDAIR_GOLDEN=write $(CARGO) test --quiet $(CORE) --test suite -- golden motion_files
+	MIDAIR_GOLDEN=write $(CARGO) test --quiet $(SHARED) --test suite -- golden motion_files
 
 pins: ## Pin what pyproject.toml asks for, names and versions only
 	$(BIN)/uv pip compile --quiet --universal --no-header --no-annotate --group dev --no-emit-index-url --output-file constraints.txt pyproject.toml

@@ -81,7 +81,9 @@ PROCESSES = 12
 RELEASE = os.environ.get("PROFILE") == "release"
 PROFILE = ("--release",) if RELEASE else ()
 
-CORE = ("-p", "midair", "--no-default-features", "--features", "scene-file,parallel")
+#: The core. With the extension beside it, its dependencies have the features of the wheel, and it is compiled once.
+CORE = ("-p", "midair", "-p", "midair-python", "--no-default-features")
+CORE = (*CORE, "--features", "midair/scene-file,midair/parallel")
 
 #: Examples of the C library: folder, compiler, language, and a part of what they print.
 EXAMPLES = (
@@ -110,7 +112,6 @@ ENVIRONMENT = {key: value for key, value in os.environ.items() if key != "RUSTFL
     "CARGO_TARGET_DIR": str(HOME / "target"),
     "CARGO_TARGET_X86_64_PC_WINDOWS_GNU_LINKER": f"{TOOLS}gcc",
     "CARGO_TARGET_X86_64_PC_WINDOWS_GNU_RUNNER": str(WINE),
-    # The core is compiled once: its tests, the extension and the C library have the same features of it.
     "CARGO_INCREMENTAL": "0",
     "CARGO_PROFILE_DEV_CODEGEN_UNITS": "16",
     "PYO3_CROSS_LIB_DIR": str(PYTHON / "libs"),
@@ -259,8 +260,7 @@ def wheel() -> None:
 
 def c() -> None:
     """Builds the C library, looks in it for the functions that Unity calls, and runs the examples with it."""
-    packages = ("-p", "midair-capi", "-p", "midair", "--features", "midair/parallel")
-    run("/usr/bin/cargo", "build", *PROFILE, *packages)
+    run("/usr/bin/cargo", "build", *PROFILE, "-p", "midair-capi", *CORE)
     # Beside ucrtbase.dll, which Wine looks for in the folder of the program.
     dll = shutil.copy(HOME / "target" / TARGET / ("release" if RELEASE else "debug") / "midair.dll", BIN)
     scripts = (ROOT / "unity" / "Runtime" / "MidairLibrary.cs").read_text("utf-8")
