@@ -1,18 +1,16 @@
-"""Beads in flight between two OpenMPD boards: shapes as in OptiTrap, top speeds, and the simulation's speed.
+"""Beads in flight between two OpenMPD boards: shapes as in OptiTrap, and top speeds.
 
 The shapes have the sizes and rates of V. Paneva et al., "OptiTrap", CHI 2022, in the upright plane through
 the boards' axis, but outlines of our own. One bead of 1 mm radius moves with 10,000 frames per second on the
 board's phases. `path.fastest` computes each path at two margins (fractions of a trap's largest force): the
 one that gives the paper's rate, and the largest that keeps the bead. `midair.fly` simulates each path for a
 second and reports whether the bead stays, and its largest distance from the curve. Lines of 80 mm from rest
-to rest, and rings of 40 mm diameter, show the top speeds at the largest margin. The last figure is the
-speed of `midair.fly`: how many seconds of flight it simulates in one second on one core.
+to rest, and rings of 40 mm diameter, show the top speeds at the largest margin.
 
     python bench/flight.py [record.csv]
 """
 
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -123,34 +121,12 @@ def shapes() -> Iterator[dict[str, object]]:
             yield best
 
 
-def speed() -> None:
-    """Prints the seconds of flight of eight beads per second on one core: at rest, and on a circle."""
-    boards = midair.Array.preset("openmpd_pair", quantization={})
-    points = [[x, y, z] for x in (-0.02, 0.02) for y in (-0.02, 0.02) for z in (-0.015, 0.015)]
-    still = midair.path.still(points, duration=0.02)
-    angle = 2 * np.pi * np.arange(1000) / 1000
-    ring = 2e-3 * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
-    laps = midair.path.from_array(np.array(points) + ring[:, None], rate=RATE, closed=True)
-    for name, path, rate in (("still", still, 100), ("laps of .1 s", laps, RATE)):
-        sequence = midair.sequence(boards, path, rate=rate, signature="trap", change=CHANGE, **AIR)
-        midair.fly(sequence, duration=0.02)
-        spent = []
-        for duration in (path.duration, 10.0 + path.duration):
-            begin = time.process_time()
-            flight = midair.fly(sequence, duration=duration)
-            spent.append(time.process_time() - begin)
-        again = 10.0 / (spent[1] - spent[0])
-        lap = f"{path.duration:g} s in {spent[0]:.3g} s of CPU"
-        print(f"{name}: {int(flight.held.sum())} of 8 held; {lap}, then {again:.0f} s/s")
-
-
 def main() -> None:
     """Flies the shapes, prints the rows and writes the record."""
     rows = []
     for row in shapes():
         rows.append(row)
         print(" ".join(f"{name} {value}" for name, value in row.items()), flush=True)
-    speed()
     if len(sys.argv) > 1:
         import record
 
