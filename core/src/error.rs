@@ -58,6 +58,7 @@ codes! {
     Leak "leak" "Quiet points that are louder than the method's tolerance."
     Harmonic "harmonic" "A pressure at which the second harmonic counts."
     Scaled "scaled" "An amplitude that the supply voltage or a modulation must provide."
+    Fallen "fallen" "Traps that do not hold their beads."
     Still "still" "A limit of phase changes that is smaller than a step of the board's phases."
 }
 

@@ -243,6 +243,33 @@ test("errors and warnings have codes", () => {
   assert.deepEqual(codeOf({ ...ring(), points: [{ position: [0, 0, 20] }] }), ["too-far"]);
 });
 
+test("beads that fall are reported once, and counted at each solve", () => {
+  const places = [[0.01, 0, 0], [-0.01, 0, 0], [0, 0.01, 0], [0, -0.01, 0]];
+  for (const [more, kept] of [[{}, 0], [{ channels: Array.from({ length: 72 }, (_, k) => k) }, 4]]) {
+    const scene = midair.open({ signature: "trap", array: { preset: "tinylev", ...more }, points: places.map((position) => ({ position })) });
+    const said = [scene.solve().said, scene.solve().said].map((all) => all.filter(({ code }) => code === "fallen").map(({ text }) => text.split(":")[0]));
+    assert.deepEqual(said, [kept ? [] : ["traps hold 0 of 4 beads"], []]);
+    assert.deepEqual(scene.beads(), [kept, 4]);
+    scene.free();
+  }
+  const foci = midair.open(ring());
+  foci.solve();
+  assert.deepEqual(foci.beads(), []);
+});
+
+test("a bead that is lost has a time and places until then, one that stays has null", () => {
+  const flown = (speed) => {
+    const scene = midair.open({ signature: "trap", array: { preset: "openmpd_pair", quantization: {} }, points: [{ position: [0, 0, 0] }], solver: { name: "glide", rate: 1000 } });
+    scene.follow(Float64Array.from({ length: 300 }, (_, k) => (k % 3 ? 0 : 1e-3 * speed * Math.abs(((k / 3) % 50) - 25))), 100);
+    return scene.fly(0, 1000);
+  };
+  const [stays, lost] = [flown(0.1), flown(4)];
+  assert.equal(stays.lost, null);
+  assert.ok(lost.lost > 0 && lost.lost < 0.1);
+  for (const { places } of [stays, lost]) assert.ok(places.every(Number.isFinite));
+  assert.ok(stays.places.length > lost.places.length && lost.places.length % 3 === 0);
+});
+
 test("a move that is refused leaves the scene as it was", () => {
   const scene = midair.open(ring());
   const { drive } = scene.solve();

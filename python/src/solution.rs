@@ -186,6 +186,11 @@ getters! {
     /// How the solve ended: "done", "missed" (by more than 1 %), "out_of_steps" or "stopped".
     status(self) -> String = self.inner.status.to_string();
 
+    /// How many traps hold their bead, as `rest` judges it, and the number of traps; None without named traps, for a
+    /// matrix of your own, and where the force on a bead is unknown.
+    beads(self, py) -> PyResult<Option<(usize, usize)>> =
+        Ok(attend(py, None, |mut control| self.inner.beads(&mut control))?.map(Into::into));
+
     /// Number of steps.
     steps(self) -> usize = self.inner.steps;
 

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use midair::solvers::remarks;
+use midair::solvers::{fallen, remarks};
 
 use crate::chosen::{Chosen, Naming};
 use crate::prelude::*;
@@ -60,7 +60,7 @@ use crate::subject::{Beside, Subject};
 /// Warns
 /// -----
 /// SceneWarning
-///     If pressures are above the array's reach.
+///     If pressures are above the array's reach, and if traps do not hold their beads.
 ///
 /// See Also
 /// --------
@@ -121,7 +121,8 @@ pub(crate) fn solve(
     raised.check()?;
     let (inner, trace) = answer?;
     let elapsed = clock.elapsed().as_secs_f64();
-    let beyond = attend(py, None, |mut control| problem.beyond(&mut control))?;
-    warn_all(py, remarks(&problem, solver, balance, None, &inner, beyond).into_iter().flatten())?;
+    let (beyond, fallen) =
+        attend(py, None, |mut control| Ok((problem.beyond(&mut control)?, fallen(&inner, &mut control)?)))?;
+    warn_all(py, remarks(&problem, solver, balance, None, &inner, beyond).into_iter().chain([fallen]).flatten())?;
     Ok(Solution::new(inner, chosen.answered(&problem), elapsed).of(subject.scene(), trace))
 }

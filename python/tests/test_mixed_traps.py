@@ -82,6 +82,7 @@ def test_without_pressures_foci_are_as_loud_as_before_and_beads_rest_at_their_po
         assert found.apart(points[::2]) < 0.02e-3 < before.apart(points[::2])
 
 
+@pytest.mark.filterwarnings("ignore:traps hold:midair.SceneWarning")
 def test_traps_without_a_pressure_are_what_the_foci_leave() -> None:
     """By all solvers; pressures above 0 of traps are still those of their foci."""
     array = midair.Array(*traps.openmpd())

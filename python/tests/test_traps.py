@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import warnings
 from typing import Any
 
 import numpy as np
@@ -147,6 +148,7 @@ def test_forces_beside_a_body_are_the_slopes_of_the_field(body: str) -> None:
         midair.gorkov(scene, drive, center + np.array([[0, 0, radius + 1e-5]]))
 
 
+@pytest.mark.filterwarnings("ignore:traps hold:midair.SceneWarning")
 def test_a_rest_and_a_bead_can_be_copied() -> None:
     boards = midair.Array.preset("openmpd_pair", quantization={})
     bead = midair.Bead(radius=0.5e-3, density=998, gravity=[0, -9.81, 0])
@@ -313,6 +315,7 @@ def test_facing_boards_trap_in_all_three_axes(board: str, count: int) -> None:
         assert board == "tinylev" or (np.linalg.eigvalsh(found.hessian) > 0).all(), found.hessian
 
 
+@pytest.mark.filterwarnings("ignore:traps hold:midair.SceneWarning")
 def test_twin_and_vortex_fail_for_several_points_between_two_boards() -> None:
     """Checks that both keep a single bead but lose some of eight in most scenes,
     where standing waves keep all.
@@ -420,3 +423,89 @@ def test_beads_of_traps_beside_a_sphere_rest_at_their_points() -> None:
     assert rest.held.all()
     assert abs(rest.place - points).max() < 5e-5
     assert least(scene, solution).min() > 1.02 * least(scene, foci).min()
+
+
+#: A SonicSurface below a plate; least restoring accelerations in m/s^2 of a bead at rest in a trap and in a focus.
+SURFACE = midair.Array.preset("sonicsurface")
+
+
+def firmness(point: list[float], height: float) -> tuple[float, float, float]:
+    """Returns both accelerations, and the distance in m of the bead in the trap from its point."""
+    scene = midair.Scene(SURFACE, [point], obstacles=[midair.Wall([0, 0, height], [0, 0, -1])])
+    trap, focus = (midair.rest(scene, midair.solve(scene.replace(signature=name))) for name in ("trap", None))
+    assert trap.held.all()
+    return trap.acceleration.min(), focus.acceleration.min(), np.linalg.norm(trap.place[0] - point)
+
+
+@pytest.mark.slow
+def test_before_a_reflector_a_trap_holds_as_well_as_a_focus() -> None:
+    quarter = SURFACE.medium["sound_speed"] / SURFACE.medium["frequency"] / 4
+    nodes = [firmness([0, 0, height - odd * quarter], height) for height in (0.06, 0.1, 0.15) for odd in (1, 3, 5)]
+    part = np.array([trap / focus for trap, focus, _ in nodes])
+    # Two of the foci hold their beads more firmly, but twice as far from the points.
+    assert part.min() > 0.6
+    assert np.sort(part)[2] > 1.04
+    assert np.median(part) > 1.05
+    rng = np.random.default_rng(3)
+    places = [
+        ([*rng.uniform(-0.03, 0.03, 2), rng.uniform(0.03, height - 0.003)], height)
+        for height in (0.06, 0.1, 0.15)
+        for _ in range(8)
+    ]
+    found = np.array([firmness(*place) for place in places])
+    part = found[:, 0] / found[:, 1]
+    assert part.min() > 0.6
+    assert np.median(part) > 1.02
+    assert found[:, 2].max() < 1.2e-3
+    assert np.median(found[:, 2]) < 0.3e-3
+
+
+def test_before_a_reflector_pictures_are_drawn_and_without_it_the_trap_is_a_vortex() -> None:
+    point = [0, 0, 0.0958]
+    bare = midair.Scene(SURFACE, [point], signature="trap")
+    assert np.array_equal(bare.propagation(), bare.replace(signature="vortex").propagation())
+    # A wall beside the board is no second side.
+    beside = bare.replace(obstacles=[midair.Wall([0.1, 0, 0], [-1, 0, 0])])
+    assert np.array_equal(beside.propagation(), beside.replace(signature="vortex").propagation())
+    above = bare.replace(obstacles=[midair.Wall([0, 0, 0.1], [0, 0, -1])])
+    direct, whole = bare.replace(signature=None).propagation(), above.replace(signature=None).propagation()
+    factors = above.propagation() / whole
+    wanted = (2 * direct - whole) / whole
+    np.testing.assert_allclose(factors, wanted / abs(wanted), rtol=1e-4)
+    assert midair.solve(above).plot()
+
+
+#: Four points beside the axis of a TinyLev.
+FOUR = [[0.01, 0, 0], [-0.01, 0, 0], [0, 0.01, 0], [0, -0.01, 0]]
+
+
+@pytest.mark.filterwarnings("always::midair.SceneWarning")
+@pytest.mark.parametrize(("channels", "kept"), [({}, 0), ({"channels": range(72)}, 4)])
+def test_a_solve_warns_of_beads_that_fall(channels: dict[str, Any], kept: int) -> None:
+    scene = midair.Scene(midair.Array.preset("tinylev", **channels), FOUR, signature="trap")
+    solver = midair.Solver(scene)
+    for call in (lambda: midair.solve(scene), lambda: solver(FOUR)):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            solution = call()
+        assert solution.beads == (kept, 4)
+        assert solution.rest().held.sum() == kept
+        fallen = [warning.message for warning in caught if getattr(warning.message, "code", "") == "fallen"]
+        assert [str(each).partition(":")[0] for each in fallen] == ["traps hold 0 of 4 beads"] * (kept == 0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        # A session says it once; a batch does not look.
+        solver(FOUR)
+        midair.solve_batch(scene.array, [FOUR], signature="trap")
+
+
+def test_beads_are_those_of_named_traps() -> None:
+    boards = midair.Array.preset("openmpd_pair", quantization={})
+    points = [[-0.02, 0, 0], [0.02, 0, 0]]
+    assert midair.solve(midair.Scene(boards, points)).beads is None
+    mixed = midair.Scene(boards, points, pressures=[0, 1000], signature=["trap", None])
+    assert midair.solve(mixed).beads == (1, 1)
+    quiet = midair.Scene(boards, points, pressures=[2000, 0], signature="trap")
+    assert midair.solve(quiet).beads == (1, 1)
+    given = midair.Scene(boards, points, signature=np.ones(len(boards)))
+    assert midair.solve(given).beads is None

@@ -26,8 +26,8 @@ test("levels are in dB above 20 µPa rms and above the threshold", () => {
 
 const metrics = { accuracy: 0.9876, sigma: 0.0123, uniformity: 0.876, level: 0.75, leak: 0.0321, residual: 0 };
 const answer = { pressures: [[300, 400], [1500, 0], [3, 4]], targets: [1, 1, 0], metrics, drive: [], scale: 1 } as unknown as Answer;
-const result = { answer, lattice: null, crossing: [], atEar: Math.SQRT2 * 2, milliseconds: 0.25, refused: null, warnings: [] } as Result;
-const slower: Result = { ...result, milliseconds: 2, answer: { ...answer, metrics: { ...metrics, sigma: 0.2 } } };
+const result = { answer, lattice: null, crossing: [], atEar: Math.SQRT2 * 2, beads: [3, 4], milliseconds: 0.25, refused: null, warnings: [] } as Result;
+const slower: Result = { ...result, beads: [0, 4], milliseconds: 2, answer: { ...answer, metrics: { ...metrics, sigma: 0.2 } } };
 const state = { ...initial, pressures: [1, 1, 0], ear: [0, 0, 0.5] as [number, number, number], signature: "", path: null };
 const view = { state, results: [result, slower], bound: 0.8, frame: null } as unknown as View;
 
@@ -42,6 +42,7 @@ test("the table's rows", () => {
     weakest: ["500 Pa", "500 Pa", null],
     leak: ["0.032", "0.032", null],
     atEar: ["100.0 dB SPL", "100.0 dB SPL", null],
+    kept: ["3 / 4", "0 / 4", 0],
     time: ["250 µs", "2.0 ms", null],
   });
   expect(metricsOf(result)?.weakest).toBe(500);

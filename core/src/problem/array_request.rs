@@ -6,7 +6,7 @@ use crate::kernels::padded;
 use crate::prelude::*;
 use crate::problem::metrics::Metrics;
 use crate::propagation::{Model, Propagation};
-use crate::scene::{Array, Bead, Medium, Request, check_drive, check_positions};
+use crate::scene::{Array, Bead, Medium, Request, Signature, check_drive, check_positions};
 
 /// The range of targets, in units of the reference pressure. Targets outside of it are near the limits of f32, and
 /// probably in a wrong unit.
@@ -89,9 +89,9 @@ impl ArrayRequest {
         self.free.clear();
         if self.given
             && let Some(signature) = self.propagation.signature().filter(|signature| signature.traps())
-            && all.clone().all(|j| !signature.is_trap(j) || self.pascals[j] == 0.0)
+            && all.clone().all(|j| *signature.of(j) != Signature::Trap || self.pascals[j] == 0.0)
         {
-            self.free.extend(all.clone().map(|j| signature.is_trap(j)));
+            self.free.extend(all.clone().map(|j| *signature.of(j) == Signature::Trap));
         }
         let heaviest = self.weights.iter().copied().fold(0.0, f64::max);
         self.relative_weights.clear();

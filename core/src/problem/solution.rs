@@ -6,8 +6,9 @@ use crate::prelude::*;
 use crate::problem::array_request::ArrayRequest;
 use crate::problem::mix::{ALIKE, mix};
 use crate::problem::{Metrics, Problem, Setup, Status};
-use crate::propagation::{Propagation, field_of};
-use crate::scene::{Extras, Request, Scene, check_drive, words};
+use crate::propagation::forces::rest::trapped;
+use crate::propagation::{Model, Propagation, field_of};
+use crate::scene::{Extras, Request, Scene, Signature, check_drive, words};
 use crate::workspace::Workspace;
 
 /// Returns z / factor. Multiplies by the reciprocal in double precision.
@@ -242,6 +243,31 @@ impl Solution {
             plane: None,
         };
         scene.with_extras(extras).ok()
+    }
+
+    /// Returns how many traps hold their bead, as [`crate::rest`] judges it, and the number of traps. `None` without named
+    /// traps, for a user's own propagation matrix G, and where the force on a bead is unknown.
+    ///
+    /// # Errors
+    /// More memory than allowed; a stop by the caller.
+    pub fn beads(&self, control: &mut Control) -> Result<Option<[usize; 2]>> {
+        let ArrayRequest { propagation, setup, active, pascals, .. } = &*self.request;
+        let kept = propagation.origin().and_then(|(.., kept)| kept);
+        let Some((kept, signature)) = kept.and_then(|kept| Some((kept, kept.signature.as_ref()?))) else {
+            return Ok(None);
+        };
+        let named = |&j: &usize| !matches!(signature.of(j), Signature::Focus | Signature::Given(_));
+        let mut traps: Vec<usize> = active.iter().copied().filter(named).collect();
+        // Traps beside foci have the target 0; beside other traps a target of 0 is silence.
+        if traps.iter().any(|&j| pascals[j] > 0.0) {
+            traps.retain(|&j| pascals[j] > 0.0);
+        }
+        let places: Vec<[f64; 3]> = traps.iter().map(|&j| kept.points[j]).collect();
+        match trapped(&Model::of_recipe(kept), &self.played(), &places, setup.bead, control) {
+            Ok(all) => Ok(Some([all.iter().filter(|&&one| one).count(), all.len()])),
+            Err(error) if error.is_stop() || error.code == ErrorCode::Memory => Err(error),
+            Err(_) => Ok(None),
+        }
     }
 
     /// Radiation pressure in Pa at point `j`, |p|^2/(rho c^2).

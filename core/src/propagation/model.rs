@@ -54,6 +54,13 @@ impl Model {
             .unwrap_or_else(|_| unreachable!("it is not stopped"))
     }
 
+    /// Returns the model of a stored propagation matrix G, without its signature.
+    pub(crate) fn of_recipe(recipe: &Recipe) -> Self {
+        let (sources, scattering) = (Arc::clone(&recipe.sources), recipe.scattering.clone());
+        let (set, make) = (InstructionSet::best(), scattering.as_ref().map(|_| Recipe::MAKE));
+        Self { sources, set, scattering, signature: None, bead: Bead::default(), rows_follow: false, make }
+    }
+
     /// Returns a copy of this model with these obstacles instead of its own. G and the field are then the direct wave of each
     /// transducer plus the waves that the obstacles reflect or scatter. The walls' part is computed in double precision.
     ///

@@ -6,6 +6,7 @@ use crate::propagation::forces::stiffness::Stiffness;
 use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
 use crate::propagation::taylor::add_exact;
+use crate::scene::signature::frame;
 use crate::scene::{Bead, Signature};
 
 /// The most entries of a stored propagation matrix G. Computing so many takes a tenth of a second and a few MB. If
@@ -82,14 +83,31 @@ impl Recipe {
                 };
                 chosen.iter().zip(points).try_for_each(check)?;
             }
-            add_exact(&self.sources, points, rows);
-            if let Some(scattering) = &self.scattering {
-                scattering.add(&self.sources, points, rows);
+            let scattering = self.scattering.as_deref();
+            let waves = |add: &dyn Fn(&mut [Vec<Complex64>])| {
+                let mut waves = vec![vec![Complex64::ZERO; array.len()]; points.len()];
+                add(&mut waves);
+                waves
+            };
+            let sources = core::iter::once(&*self.sources).chain(scattering.map_or(&[][..], |all| &all.images));
+            let direct =
+                sources.map(|one| (waves(&|rows| add_exact(one, points, rows)), one.array.positions().to_vec()));
+            let bodies = scattering
+                .and_then(|all| Some((all, all.centre()?)))
+                .map(|(all, centre)| (waves(&|rows| all.add(&self.sources, points, rows)), vec![centre; array.len()]));
+            let (frame, mut above) = (frame(array.normals()), rows.to_vec());
+            for (waves, places) in direct.chain(bodies) {
+                for (k, (i, &place)) in (0..points.len()).flat_map(|k| places.iter().enumerate().map(move |at| (k, at)))
+                {
+                    rows[k][i] += waves[k][i];
+                    if (Vec3(place) - points[k]).dot(frame[2]) > 0.0 {
+                        above[k][i] += waves[k][i];
+                    }
+                }
             }
             if let Some(signature) = &self.signature {
-                for (row, (&j, &point)) in rows.iter_mut().zip(chosen.iter().zip(points)) {
-                    let reach: Vec<f64> = row.iter().map(|g| g.norm()).collect();
-                    let factors = signature.factors(array, j, point, &reach);
+                for (k, (row, (&j, &point))) in rows.iter_mut().zip(chosen.iter().zip(points)).enumerate() {
+                    let factors = signature.factors((array, &frame), (j, point), [row, &above[k]]);
                     row.iter_mut().zip(factors).for_each(|(g, s)| *g *= s);
                 }
             }
@@ -145,7 +163,7 @@ impl Recipe {
     /// # Errors
     /// More memory than allowed, a stop by the caller.
     fn stiffness(&self, bead: Bead, control: &mut Control) -> Result<Option<Stiffness>> {
-        let trap = |j: &usize| self.signature.as_ref().is_some_and(|signature| signature.is_trap(*j));
+        let trap = |j: &usize| self.signature.as_ref().is_some_and(|signature| *signature.of(*j) == Signature::Trap);
         let (traps, foci): (Vec<usize>, _) = (0..self.points.len()).partition(trap);
         let (scattering, channels) = (self.scattering.as_deref(), self.channels.as_ref());
         Stiffness::of(bead, &self.sources, scattering, channels, &self.points, [traps, foci], control)

@@ -31,9 +31,10 @@ use crate::scene::Array;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Signature {
-    /// The strongest known trap for this array at a point. If the transducers above and below face each other, and the weaker
-    /// side gives at least half the pressure of the stronger one, it is a standing wave with a node at the point: phase pi for
-    /// the side above. Otherwise it is [`Signature::Vortex`], whose least stiffness is the best of the known ones.
+    /// The strongest known trap for this array at a point. If waves come from above and from below, and the weaker side
+    /// gives at least half the pressure of the stronger one, it is a standing wave with a node at the point: phase pi for
+    /// the side above. The waves are those of transducers, of their images in walls, and of bodies. Otherwise it is
+    /// [`Signature::Vortex`], whose least stiffness is the best of the known ones.
     Trap,
     /// A twin trap: phase pi for the half of the array whose x is below the x of the point (whose y, for an array
     /// along x). The two halves cancel in a plane through the point.
@@ -48,12 +49,9 @@ pub enum Signature {
     Each(Arc<[Signature]>),
 }
 
-/// The signatures with a name that apply to all points.
-const KNOWN: [(&str, Signature); 3] =
-    [("trap", Signature::Trap), ("twin", Signature::Twin), ("vortex", Signature::Vortex)];
-
-/// The name of [`Signature::Focus`].
-const FOCUS: &str = "focus";
+/// The signatures with a name. The last applies only to single points.
+const KNOWN: [(&str, Signature); 4] =
+    [("trap", Signature::Trap), ("twin", Signature::Twin), ("vortex", Signature::Vortex), ("focus", Signature::Focus)];
 
 /// A standing wave traps better than a vortex if the weaker side gives at least this part of the stronger side's pressure.
 /// Found for two boards of 16 x 16 at 10.5 mm, 236.5 mm apart, and points from the middle to one board.
@@ -68,7 +66,7 @@ impl Signature {
     /// # Errors
     /// An unknown name.
     pub fn named(name: &str) -> Result<Self> {
-        find("signature", name, &KNOWN, |known| known.0).map(|known| known.1.clone())
+        find("signature", name, &KNOWN[..3], |known| known.0).map(|known| known.1.clone())
     }
 
     /// Returns the signature of this name for one point of several; "focus" is allowed here.
@@ -76,23 +74,19 @@ impl Signature {
     /// # Errors
     /// An unknown name.
     pub fn of_point(name: &str) -> Result<Self> {
-        let known: [(&str, Self); 4] = core::array::from_fn(|k| KNOWN.get(k).cloned().unwrap_or((FOCUS, Self::Focus)));
-        find("signature", name, &known, |known| known.0).map(|known| known.1.clone())
+        find("signature", name, &KNOWN, |known| known.0).map(|known| known.1.clone())
     }
 
     /// The name; `None` for given factors and for a list.
     pub fn name(&self) -> Option<&'static str> {
-        if *self == Self::Focus {
-            return Some(FOCUS);
-        }
         KNOWN.iter().find(|(_, known)| known == self).map(|known| known.0)
     }
 
-    /// Whether point `j` is [`Signature::Trap`].
-    pub(crate) fn is_trap(&self, j: usize) -> bool {
+    /// The signature of point `j`.
+    pub(crate) fn of(&self, j: usize) -> &Self {
         match self {
-            Self::Each(each) => each[j] == Self::Trap,
-            one => *one == Self::Trap,
+            Self::Each(each) => &each[j],
+            one => one,
         }
     }
 
@@ -149,45 +143,43 @@ impl Signature {
         }
     }
 
-    /// The factors (N,) of point `j` at `point`. `reach` (N,) is |G|, the pressure of each transducer there at full drive.
-    pub(crate) fn factors(&self, array: &Array, j: usize, point: [f64; 3], reach: &[f64]) -> Vec<Complex64> {
-        let n = array.len();
-        if let Self::Each(each) = self {
-            return each[j].factors(array, j, point, reach);
+    /// The factors (N,) of point `j` at `point`. `waves` (N,) are the columns of G there, `above` (N,) the parts of them that
+    /// come from above the point, along the axis of `frame`.
+    pub(crate) fn factors(
+        &self,
+        (array, frame): (&Array, &[Vec3; 3]),
+        (j, point): (usize, [f64; 3]),
+        [waves, above]: [&[Complex64]; 2],
+    ) -> Vec<Complex64> {
+        let (n, one) = (array.len(), self.of(j));
+        if *one == Self::Focus {
+            return vec![Complex64::ONE; n];
         }
-        if *self == Self::Focus {
-            return alloc::vec![Complex64::ONE; n];
-        }
-        if let Self::Given(factors) = self {
+        if let Self::Given(factors) = one {
             let of_point = if factors.len() == n { 0..n } else { j * n..(j + 1) * n };
             return factors[of_point].to_vec();
         }
-        let [across, third, axis] = frame(array.normals());
+        let unit = |z: Complex64| if z == Complex64::ZERO { Complex64::ONE } else { z / math::hypot(z.re, z.im) };
         let from = array.positions().iter().map(|&from| Vec3(from) - point);
-        let sign = |below: bool| Complex64::new(if below { -1.0 } else { 1.0 }, 0.0);
-        if *self == Self::Twin {
-            return from.map(|from| sign(from.dot(across) < 0.0)).collect();
+        let [across, third, _] = *frame;
+        if *one == Self::Twin {
+            return from.map(|from| Complex64::from(if from.dot(across) < 0.0 { -1.0 } else { 1.0 })).collect();
         }
-        if *self == Self::Trap {
-            let above: Vec<bool> = from.clone().map(|from| from.dot(axis) > 0.0).collect();
-            let mut sides = [0.0; 2];
-            above.iter().zip(reach).for_each(|(&above, reach)| sides[usize::from(above)] += reach);
-            if sides[0].min(sides[1]) >= FACING * sides[0].max(sides[1]) {
-                return above.into_iter().map(sign).collect();
+        if *one == Self::Trap {
+            let pairs = waves.iter().zip(above);
+            let [below, upper] =
+                [pairs.clone().map(|(g, a)| (g - a).norm()).sum::<f64>(), above.iter().map(|a| a.norm()).sum()];
+            if below.min(upper) >= FACING * below.max(upper) {
+                return pairs.map(|(g, a)| unit((g - 2.0 * a) * g.conj())).collect();
             }
         }
-        from.map(|from| {
-            let [x, y] = [from.dot(across), from.dot(third)];
-            let r = math::hypot(x, y);
-            if r > 0.0 { Complex64::new(x / r, y / r) } else { Complex64::ONE }
-        })
-        .collect()
+        from.map(|from| unit(Complex64::new(from.dot(across), from.dot(third)))).collect()
     }
 }
 
 /// Returns three unit vectors: across the array (as near to x as possible, or to y for an array along x), the third axis of the
 /// right-handed frame, and the array's axis. The largest component of the axis is above 0.
-fn frame(normals: &[[f64; 3]]) -> [Vec3; 3] {
+pub(crate) fn frame(normals: &[[f64; 3]]) -> [Vec3; 3] {
     let mut scatter = [[0.0; 3]; 3];
     for n in normals {
         for (row, x) in scatter.iter_mut().zip(n) {

@@ -3,6 +3,7 @@
 use crate::scene::Start;
 use crate::session::{Session, SolveRequest};
 use crate::solvers::prelude::*;
+use crate::solvers::remark::FALLEN;
 
 /// Moving points: T frames of M points.
 #[derive(Clone, Copy, Debug, Default)]
@@ -63,6 +64,8 @@ impl Session {
         }
         let points = &all[margin * count..];
         let starts = !self.task.solver.remembers();
+        // Beads that move are simulated by `flight`.
+        self.reported[FALLEN] = true;
         let mut before: Option<usize> = None;
         for t in 0..steps {
             let frame = t * count..(t + 1) * count;

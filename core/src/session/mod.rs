@@ -21,7 +21,7 @@ use crate::session::batch::{Outcome, Tally};
 use crate::session::parts::{Part, parts};
 use crate::session::worker::{Requests, Task, Transducers, Worker};
 use crate::solvers::prelude::*;
-use crate::solvers::remark::{FAST, KINDS, fast};
+use crate::solvers::remark::{FALLEN, FAST, KINDS, fallen, fast};
 use crate::solvers::solve::solve_after;
 use crate::solvers::{DEFAULT, Last, Remark, configure, remarks};
 
@@ -253,7 +253,8 @@ impl Session {
     }
 
     /// Returns the warnings about the last solution, each kind once in a session. The search for a proof of
-    /// [`Problem::beyond`] takes time and is made only once.
+    /// [`Problem::beyond`] and that for beads that fall take time and are made only once, the latter not after
+    /// [`Session::follow`].
     pub fn remarks(&mut self) -> impl Iterator<Item = Remark> + use<> {
         let (Some(problem), Some(solution)) = (self.problem(), self.solution()) else {
             return [None; KINDS].into_iter().flatten();
@@ -265,12 +266,16 @@ impl Session {
             beyond = problem.beyond(&mut Control::none()).ok().flatten();
         }
         let mut remarks = remarks(problem, &**solver, *balance, Some(&self.last), solution, beyond);
+        if !self.reported[FALLEN] {
+            remarks[FALLEN] = fallen(solution, &mut Control::none()).ok().flatten();
+        }
         remarks[FAST] = self.fast.take();
         self.looked |= first;
         for (reported, remark) in self.reported.iter_mut().zip(&mut remarks) {
             *remark = remark.filter(|_| !*reported);
             *reported |= remark.is_some();
         }
+        self.reported[FALLEN] = true;
         remarks.into_iter().flatten()
     }
 

@@ -48,7 +48,7 @@ pub use lm::Lm;
 pub use method::{Info, Method, Solve};
 pub use naive::Naive;
 pub use registry::{Configured, DEFAULT, Entry, SOLVERS, configure, find, unused};
-pub use remark::{Remark, remarks};
+pub use remark::{Remark, fallen, remarks};
 pub use sdp::{Moduli, Sdp};
 pub use tikhonov::Tikhonov;
 pub use uniform::Uniform;

@@ -1,7 +1,7 @@
 //! Remarks: warnings about a solution.
 //!
 //! They concern targets that are beyond reach or too weak, phases that are not used, a remaining scale, a bound that
-//! allows no change, and a focus so loud that harmonics matter.
+//! allows no change, a focus so loud that harmonics matter, and traps that lose their beads.
 
 use crate::device::quantization::steps_within;
 use crate::problem::{Beyond, Setup};
@@ -56,6 +56,13 @@ pub enum Remark {
         share: f64,
         /// |p| at the loudest point, in Pa.
         pressure: f64,
+    },
+    /// Traps that do not hold their beads.
+    Fallen {
+        /// How many traps hold their bead.
+        kept: usize,
+        /// The number of traps.
+        traps: usize,
     },
 }
 
@@ -122,6 +129,12 @@ impl Remark {
                 let cure = "the level falls; move slower, send points more often, or allow a larger change";
                 Notice::new(ErrorCode::Doubtful, "a point", value, cure).verb("moves by")
             }
+            Self::Fallen { kept, traps } => {
+                let value = format!("{kept} of {traps} beads");
+                let cure = "ask for fewer traps, give each transducer its own channel, move them between two sides, or take \
+                            a lighter bead";
+                Notice::new(ErrorCode::Fallen, "traps", value, cure).verb("hold").other(format_args!("{kept}/{traps}"))
+            }
             Self::Scaled(scale) => {
                 let cure = format!("scale all drives by {scale:.4} by supply or modulation (solution.scale)");
                 Notice::new(ErrorCode::Scaled, "the device", "no such amplitude", cure)
@@ -133,10 +146,11 @@ impl Remark {
 }
 
 /// The number of kinds of remarks.
-pub(crate) const KINDS: usize = 9;
+pub(crate) const KINDS: usize = 10;
 
-/// The number of [`Remark::Fast`], which a session adds itself.
-pub(crate) const FAST: usize = KINDS - 1;
+/// The numbers of [`Remark::Fast`] and [`Remark::Fallen`], which a session adds itself.
+pub(crate) const FAST: usize = KINDS - 2;
+pub(crate) const FALLEN: usize = KINDS - 1;
 
 /// The level below which a solution counts as a mistake of its method, as by a drive that was not scaled.
 const FAINT: f64 = 0.01;
@@ -159,6 +173,7 @@ impl Remark {
             Self::Leak { leak, quiet, .. } => leak / quiet,
             Self::Harmonic { share, .. } => share,
             Self::Fast { needed, change, .. } => needed / change,
+            Self::Fallen { kept, traps, .. } => (traps - kept) as f64,
             Self::PhasesUnused | Self::Still { .. } => 1.0,
         }
     }
@@ -210,7 +225,17 @@ pub fn remarks(
         (scale < 1.0).then_some(Remark::Scaled(scale)),
         harmonic(problem, solution),
         None,
+        None,
     ]
+}
+
+/// Warns of traps that do not hold their beads. [`remarks`] leaves this out: it takes as long as some steps of a solver.
+///
+/// # Errors
+/// The errors of [`Solution::beads`].
+pub fn fallen(solution: &Solution, control: &mut Control) -> Result<Option<Remark>> {
+    let beads = if solution.status == Status::Stopped { None } else { solution.beads(control)? };
+    Ok(beads.filter(|[kept, traps]| kept < traps).map(|[kept, traps]| Remark::Fallen { kept, traps }))
 }
 
 /// Returns the change of a phase in rad that a focus needs to move between two places.

@@ -108,6 +108,7 @@ fn each_warning_about_a_solution_has_its_code() {
         (Remark::Leak { leak: 0.1, quiet: 0.01, able: 9 }, "leak"),
         (Remark::Harmonic { share: 0.3, pressure: 7e3 }, "harmonic"),
         (Remark::Scaled(0.5), "scaled"),
+        (Remark::Fallen { kept: 0, traps: 4 }, "fallen"),
         (Remark::Still { change: 0.1, phases: 10 }, "still"),
     ] {
         assert_eq!(remark.notice().code.name(), code, "{remark}");

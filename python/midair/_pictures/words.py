@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Field, Scene, SceneError, Solution, Wall, rest, solvers
+from .._midair import Field, Scene, Solution, Wall, solvers
 from .._points.ear import REFERENCE
 from .._support.text import counted
 from .colours import KILO, is_dark
@@ -47,20 +47,11 @@ def sentence(solution: Solution) -> str:
 
 def beads(solution: Solution) -> str:
     """Return how many beads the traps of a solution hold; an empty text without known traps."""
-    scene = solution.scene
-    if scene is None or not isinstance(scene.signature, str | list):
-        return ""
-    names = scene.signature if isinstance(scene.signature, list) else [scene.signature] * len(scene.points)
-    traps = np.array([name is not None for name in names])
-    # Traps beside foci have the target 0; beside other traps a target of 0 is silence.
-    loud = traps & (solution.targets > 0)
-    try:
-        kept = rest(scene, solution, scene.points[loud if loud.any() else traps]).held
-    except SceneError:
-        # There are only foci, or a point is so near to a sphere or mesh that the force is unknown.
+    scene, counts = solution.scene, solution.beads
+    if scene is None or counts is None:
         return ""
     across, density = 2e3 * scene.bead.radius, scene.bead.density
-    return f"traps hold {kept.sum()} of {len(kept)} beads of {across:g} mm and {density:g} kg/m3"
+    return f"traps hold {counts[0]} of {counts[1]} beads of {across:g} mm and {density:g} kg/m3"
 
 
 def pascals(pressure: float) -> str:

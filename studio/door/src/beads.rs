@@ -1,4 +1,4 @@
-//! Beads: simulates beads in the traps of the frames that `follow` has solved.
+//! Beads: counts those that the traps of a solution hold, and simulates them in the frames that `follow` has solved.
 
 use midair::flight::{BeadStart, Course, Envelope};
 use midair::{Control, Error, Result, frame_rate};
@@ -9,9 +9,17 @@ use crate::studio::Studio;
 const TAU: f64 = 0.2e-3;
 
 impl Studio {
+    /// Writes how many traps of the last solution hold their bead, and the number of traps; nothing without traps.
+    pub(crate) fn count_beads(&mut self) -> Result<()> {
+        let solution = self.opened()?.session.solution();
+        let beads = solution.map(|solution| solution.beads(&mut Control::none())).transpose()?.flatten();
+        self.numbers = beads.into_iter().flatten().map(|count| count as f64).collect();
+        Ok(())
+    }
+
     /// Simulates the bead in the trap of a point while the frames repeat at `rate` frames/s. The numbers are the time in s at
     /// which it was lost or NaN, its largest distance from its point in m until then, and its places (F, 3) in m at the frames
-    /// of all laps.
+    /// of all laps until then.
     pub(crate) fn fly(&mut self, point: usize, rate: f64) -> Result<()> {
         let rate = frame_rate(rate)?;
         if self.course.as_ref().is_none_or(|course| course.rate().to_bits() != rate.to_bits()) {
@@ -48,7 +56,11 @@ impl Studio {
             let knot = ((frame as f64 / rate - course.time(0.0)) / course.spacing()).max(0.0);
             let (before, share) = (knot as usize, knot.fract());
             let [from, to] = [before, before + 1].map(|knot| flown.places[knot.min(knots - 1)]);
-            numbers.extend([0, 1, 2].map(|axis| from[axis] + share * (to[axis] - from[axis])));
+            let place = [0, 1, 2].map(|axis| from[axis] + share * (to[axis] - from[axis]));
+            if place[0].is_nan() {
+                break;
+            }
+            numbers.extend(place);
         }
         Ok(numbers)
     }

@@ -101,6 +101,9 @@ jobs! {
     /// as JSON.
     studio_solve() = solve;
 
+    /// Writes how many traps of the solution hold their bead, and the number of traps, to the numbers; nothing without traps.
+    studio_beads() = count_beads;
+
     /// Moves the scene's points. The number buffer has M points (M, 3) in m, then M pressures in Pa, or no pressures to keep
     /// the old ones. The next solve starts from the last drive.
     studio_move(points: usize) = set_points;
@@ -150,7 +153,7 @@ jobs! {
 
     /// Simulates the bead in the trap of a point while the frames of `studio_follow` repeat at `rate` frames/s. The numbers are the
     /// time in s at which it was lost or NaN, its largest distance from its point in m until then, and its places (F, 3) in m
-    /// at the frames of all laps.
+    /// at the frames of all laps until then.
     studio_fly(point: usize, rate: f64) = fly;
 
     /// Writes the bytes with which the board named in the text buffer plays the drive. The only number is the board's baud rate, or

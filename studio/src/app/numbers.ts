@@ -6,7 +6,7 @@ import type { Slot, Touched } from "../state/types.ts";
 import type { Word } from "./words.ts";
 
 /** The names of the rows. */
-export type Metric = "accuracy" | "sigma" | "uniformity" | "level" | "leak" | "bound" | "weakest" | "loudest" | "changes" | "atEar" | "time";
+export type Metric = "accuracy" | "sigma" | "uniformity" | "level" | "leak" | "bound" | "weakest" | "loudest" | "changes" | "atEar" | "kept" | "time";
 
 /** A row: its name, a text for each slot or one for both, and the slot with the better value. */
 export interface Row {
@@ -68,6 +68,10 @@ export function numberRows({ results, bound, state, frame }: View): Row[] {
   ];
   if (state.pressures?.includes(0)) rows.push(metric("leak", -1));
   if (state.ear) rows.push(row("atEar", ({ atEar }) => atEar, (p) => `${decibels(p).toFixed(1)} dB SPL`, -1));
+  if (!frame && shown.some((result) => result?.beads.length)) {
+    const [first] = shown.map((result) => result?.beads[1] ?? 0).filter(Boolean);
+    rows.push(row("kept", ({ beads }) => beads[0] ?? NaN, (count) => `${count} / ${first}`, 1));
+  }
   if (frame?.change !== undefined) rows.push({ word: "changes", values: [`${frame.change.toFixed(2)} rad`, NONE], better: null });
   if (!frame) rows.push(row("time", ({ milliseconds }) => milliseconds, duration, 0));
   return rows;

@@ -30,12 +30,11 @@ const NAMED = 3;
  * falls; `rate` is the number of frames per second.
  */
 export function beadsAt(flights: Flight[], frame: number, turn: number, rate: number): Vec3[] {
-  return flights.flatMap(({ places }) => {
+  return flights.flatMap(({ lost, places }) => {
     const count = places.length / 3;
-    const at = frame < count ? frame : count - turn + (frame % turn);
-    const lost = places.findIndex(Number.isNaN);
-    const kept = lost < 0 ? at : Math.min(at, lost / 3 - 1);
-    const time = lost < 0 ? 0 : (frame - kept) / rate;
+    const again = frame < count ? frame : count - turn + (frame % turn);
+    const kept = lost === null ? again : Math.min(frame, count - 1);
+    const time = lost === null ? 0 : (frame - kept) / rate;
     const [x, y, z] = places.subarray(3 * kept, 3 * kept + 3);
     return kept < 0 || time > FALLEN ? [] : [[x, y, z - (FALL / 2) * time ** 2]];
   });
@@ -47,8 +46,8 @@ export const balls = (places: Vec3[], pixel: (place: Vec3) => number, radius = R
 
 /** Returns sentences: which beads are lost and when, and how far the others are from their points at most. */
 export function fateOf(flights: BeadFlight[], say: Say): string[] {
-  const lost = flights.flatMap(({ lost, point }) => (Number.isNaN(lost) ? [] : [{ n: point + 1, lost }])).sort((a, b) => a.lost - b.lost);
-  const most = Math.max(...flights.filter(({ lost }) => Number.isNaN(lost)).map(({ farthest }) => farthest));
+  const lost = flights.flatMap(({ lost, point }) => (lost === null ? [] : [{ n: point + 1, lost }])).sort((a, b) => a.lost - b.lost);
+  const most = Math.max(...flights.filter(({ lost }) => lost === null).map(({ farthest }) => farthest));
   const far = { most: (1000 * most).toFixed(2) };
   if (!lost.length) return [say(flights.length === 1 ? "beadStays" : "beadsStay", far)];
   const named = lost.slice(0, NAMED).map(({ n, lost }) => say("beadLost", { n, ms: (1000 * lost).toFixed(0) }));

@@ -110,11 +110,11 @@ export interface Touch {
 }
 
 /**
- * The simulated motion of a bead: the time in s at which it was lost, or NaN; its largest distance from its point in m until
- * then; and its places (F, 3) in m at the frames of all laps.
+ * The simulated motion of a bead: the time in s at which it was lost, or null; its largest distance from its point in m until
+ * then; and its places (F, 3) in m at the frames of all laps. The list ends where the bead is lost.
  */
 export interface Flight {
-  lost: number;
+  lost: number | null;
   farthest: number;
   places: Float64Array;
 }
@@ -203,6 +203,12 @@ export class Door {
       drive: this.drive(),
       said,
     };
+  }
+
+  /** Returns how many traps of the last solution hold their bead, and the number of traps; empty without traps. */
+  beads(): number[] {
+    this.call("beads");
+    return [...this.numbers()];
   }
 
   judge(): Metrics {
@@ -312,7 +318,7 @@ export class Door {
   fly(point: number, rate: number): Flight {
     this.call("fly", whole("point", point), rate);
     const all = this.numbers();
-    return { lost: all[0], farthest: all[1], places: all.slice(2) };
+    return { lost: Number.isNaN(all[0]) ? null : all[0], farthest: all[1], places: all.slice(2) };
   }
 
   encode(board: string): Uint8Array {

@@ -11,9 +11,9 @@ export type Grid = Omit<Lattice, "values">;
 /** A drive, and the factor that the supply voltage or modulation must apply. */
 export type Played = Pick<Answer, "drive" | "scale">;
 
-/** The outcome for a slot: its solution, its slices and |p| at the ear in Pa; or an error. */
+/** The outcome for a slot: its solution, its slices, |p| at the ear in Pa and Door.beads; or an error. */
 export type Outcome =
-  | { answer: Answer; lattices: Lattice[]; atEar: number; warnings: Notice[] }
+  | { answer: Answer; lattices: Lattice[]; atEar: number; beads: number[]; warnings: Notice[] }
   | { refused: Notice };
 
 /**
@@ -57,10 +57,10 @@ function aside(scene: string, played?: { drive: Float32Array; scale?: number }):
 }
 
 /** Returns the outcome of a solution: its slices, and |p| at the ear; 0 if the scene shows no ear. */
-function looked(shown: Door, answer: Answer, warnings: Notice[], grids: Grid[], ear: Vec3 | null): Outcome {
+function looked(shown: Door, answer: Answer, warnings: Notice[], grids: Grid[], ear: Vec3 | null, beads: number[] = []): Outcome {
   const [re, im] = ear ? shown.field(Float64Array.from(ear)) : [0, 0];
   const lattices = grids.map((grid) => ({ ...grid, values: shown.field(places(grid)) }));
-  return { answer, warnings, lattices, atEar: Math.hypot(re, im) };
+  return { answer, warnings, lattices, atEar: Math.hypot(re, im), beads };
 }
 
 /** Returns the outcome of a drive that was computed elsewhere. */
@@ -88,7 +88,7 @@ const jobs = {
     try {
       const warnings = passing ? [] : open(scene);
       const shown = passing ? aside(scene) : door;
-      return looked(shown, shown.solve(), warnings, grids, ear);
+      return looked(shown, shown.solve(), warnings, grids, ear, passing ? [] : shown.beads());
     } catch (error) {
       return { refused: noticeOf(error) };
     }

@@ -19,6 +19,8 @@ export interface Result {
   crossing: Lattice[];
   /** |p| at the ear in Pa. */
   atEar: number;
+  /** How many traps hold their bead, and the number of traps; empty without traps. */
+  beads: number[];
   /** The time of a solve in ms; NaN until it is measured while nothing moves. */
   milliseconds: number;
   refused: Notice | null;
@@ -69,6 +71,7 @@ const nothing = (): Result => ({
   lattice: null,
   crossing: [],
   atEar: 0,
+  beads: [],
   milliseconds: NaN,
   refused: null,
   warnings: [],
@@ -77,8 +80,8 @@ const nothing = (): Result => ({
 /** Returns a slot's result from its worker's outcome. */
 export function resultOf(outcome: Outcome): Result {
   if ("refused" in outcome) return { ...nothing(), refused: outcome.refused };
-  const { answer, lattices: [lattice, ...crossing], atEar } = outcome;
-  return { ...nothing(), answer, lattice, crossing, atEar, warnings: [...outcome.warnings, ...answer.said] };
+  const { answer, lattices: [lattice, ...crossing], atEar, beads } = outcome;
+  return { ...nothing(), answer, lattice, crossing, atEar, beads, warnings: [...outcome.warnings, ...answer.said] };
 }
 
 /** Returns the parts of a solution that are played. */

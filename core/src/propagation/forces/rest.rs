@@ -3,6 +3,7 @@
 use crate::control::bytes;
 use crate::linalg::symmetric::eigen;
 use crate::prelude::*;
+use crate::propagation::Propagation;
 use crate::propagation::forces::gorkov::{Push, Trap};
 use crate::propagation::model::Model;
 use crate::scene::geometry::vector;
@@ -73,20 +74,7 @@ pub fn rest(
     gravity: [f64; 3],
     control: &mut Control,
 ) -> Result<Rest, Error> {
-    let trap = Trap::new(model, drive, points, particle)?;
-    vector("gravity", &gravity)?;
-    control.room("the resting places", [drive.len(), points.len()], bytes(2 * size_of::<One>(), &[points.len()]))?;
-    let weight = Vec3(particle.weight(model.medium(), gravity));
-    let follow = Follow { trap: &trap, weight, wavelength: model.medium().wavelength() };
-    let mut all: Vec<Option<One>> = vec![None; points.len()];
-    let parts = all.iter_mut().zip(points).enumerate().collect();
-    control.each(parts, &|(j, (out, point)): (usize, (&mut Option<One>, &[f64; 3])), control| {
-        // It is an error if the force at a start is unknown. A particle that moves to such a place is lost.
-        trap.push(j, *point, control)?;
-        *out = Some(follow.from(j, *point, control)?);
-        Ok(())
-    })?;
-    let all: Vec<One> = all.into_iter().flatten().collect();
+    let all = settled(model, drive, points, Bead { particle, gravity }, true, control)?;
     Ok(Rest {
         place: all.iter().map(|one| one.place).collect(),
         held: all.iter().map(|one| one.held).collect(),
@@ -95,6 +83,63 @@ pub fn rest(
         basin: all.iter().map(|one| one.basin).collect(),
         restoring: all.iter().map(|one| one.restoring).collect(),
     })
+}
+
+/// Returns whether each bead is trapped, as [`rest`] judges it, in a tenth of the time.
+///
+/// # Errors
+/// The errors of [`rest`].
+pub(crate) fn trapped(
+    model: &Model,
+    drive: &[Complex32],
+    points: &[[f64; 3]],
+    bead: Bead,
+    control: &mut Control,
+) -> Result<Vec<bool>, Error> {
+    Ok(settled(model, drive, points, bead, false, control)?.iter().map(|one| one.held).collect())
+}
+
+/// Returns the least force in N that pushes back a bead at rest, of those in the traps `chosen`, for a drive of the columns; 0
+/// for an array on two sides, without obstacles, if a bead is lost, and where the force is unknown.
+pub(crate) fn firmness(propagation: &Propagation, bead: Bead, chosen: &[usize], drive: &[Complex32]) -> f64 {
+    let Some((array, points, Some(kept))) = propagation.origin() else { return 0.0 };
+    let normals = array.normals();
+    if kept.scattering.is_none() || normals.iter().any(|&normal| Vec3(normals[0]).dot(normal) < 0.0) {
+        return 0.0;
+    }
+    let spread = kept.channels.as_ref().map(|channels| channels.spread(drive));
+    let places: Vec<[f64; 3]> = chosen.iter().map(|&j| points[j]).collect();
+    let drive = spread.as_deref().unwrap_or(drive);
+    let resting = settled(&Model::of_recipe(kept), drive, &places, bead, true, &mut Control::none());
+    resting
+        .ok()
+        .filter(|all| all.iter().all(|one| one.held))
+        .map_or(0.0, |all| all.iter().flat_map(|one| one.restoring).flatten().fold(f64::INFINITY, f64::min))
+}
+
+/// Returns where the beads come to rest, and how stable they are there if that is `measured`.
+fn settled(
+    model: &Model,
+    drive: &[Complex32],
+    points: &[[f64; 3]],
+    Bead { particle, gravity }: Bead,
+    measured: bool,
+    control: &mut Control,
+) -> Result<Vec<One>, Error> {
+    let trap = Trap::new(model, drive, points, particle)?;
+    vector("gravity", &gravity)?;
+    control.room("the resting places", [drive.len(), points.len()], bytes(2 * size_of::<One>(), &[points.len()]))?;
+    let weight = Vec3(particle.weight(model.medium(), gravity));
+    let follow = Follow { trap: &trap, weight, wavelength: model.medium().wavelength(), measured };
+    let mut all: Vec<Option<One>> = vec![None; points.len()];
+    let parts = all.iter_mut().zip(points).enumerate().collect();
+    control.each(parts, &|(j, (out, point)): (usize, (&mut Option<One>, &[f64; 3])), control| {
+        // It is an error if the force at a start is unknown. A particle that moves to such a place is lost.
+        trap.push(j, *point, control)?;
+        *out = Some(follow.from(j, *point, control)?);
+        Ok(())
+    })?;
+    Ok(all.into_iter().flatten().collect())
 }
 
 /// Returns the place near a point where a trap exerts a `force` in N on a bead in addition to the one against its
@@ -148,6 +193,7 @@ struct Follow<'a> {
     trap: &'a Trap<'a>,
     weight: Vec3,
     wavelength: f64,
+    measured: bool,
 }
 
 impl Follow<'_> {
@@ -170,7 +216,8 @@ impl Follow<'_> {
             let next = place + step;
             if length < STILL * self.wavelength {
                 let stable = stiffness.iter().all(|&k| k > 0.0);
-                return if stable { self.held(j, next, stiffness, axes, control) } else { Ok(One::lost(next)) };
+                let lost = One { held: stable, ..One::lost(next) };
+                return if stable && self.measured { self.held(j, next, stiffness, axes, control) } else { Ok(lost) };
             }
             if next.distance(start) > FAR * self.wavelength {
                 return Ok(One::lost(next));

@@ -12,7 +12,6 @@ use crate::propagation::scattering::bodies::Bodies;
 use crate::propagation::scattering::reflection::{Reflection, reflections};
 use crate::propagation::scattering::sphere::Sphere;
 use crate::propagation::sources::Sources;
-use crate::propagation::taylor::add_exact;
 use crate::scene::{Obstacle, Obstacles};
 
 /// Obstacles, prepared for the transducers of given [`Sources`].
@@ -56,12 +55,17 @@ impl Scattering {
         Err(Error::invalid("obstacles", "a mesh whose surface is not solved", cure))
     }
 
-    /// Adds to the rows, one for each point, the waves of each transducer by way of the obstacles, in Pa. Images are computed
-    /// in double precision; the responses of bodies are stored in single precision.
+    /// The middle of the spheres and meshes; `None` without any.
+    pub(crate) fn centre(&self) -> Option<[f64; 3]> {
+        let boxes = self.obstacles.list().iter().filter_map(Obstacle::bounds);
+        let joined =
+            |a: [[f64; 2]; 3], b: [[f64; 2]; 3]| [0, 1, 2].map(|k| [a[k][0].min(b[k][0]), a[k][1].max(b[k][1])]);
+        boxes.reduce(joined).map(|all| all.map(|[low, high]| 0.5 * (low + high)))
+    }
+
+    /// Adds to the rows, one for each point, the waves of each transducer by way of spheres and meshes, in Pa. Their responses
+    /// are stored in single precision.
     pub(crate) fn add(&self, sources: &Sources, points: &[[f64; 3]], rows: &mut [Vec<Complex64>]) {
-        for image in &*self.images {
-            add_exact(image, points, rows);
-        }
         if let Some(bodies) = &self.bodies {
             for (row, [re, im]) in rows.iter_mut().zip(bodies.sent(points)) {
                 for (i, (g, (re, im))) in row.iter_mut().zip(re.into_iter().zip(im)).enumerate() {

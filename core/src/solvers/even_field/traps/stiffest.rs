@@ -11,14 +11,9 @@
 //! stiff as along it. Foci do not distinguish x and y, so that their levels alone reach at most nine tenths of what
 //! direct optimisation finds. From the foci a few steps of [`crate::solvers::common::phase_descent`] reach 96 %.
 
-use alloc::borrow::Cow;
-use alloc::vec::Vec;
-
-use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::InstructionSet;
 use crate::kernels::propagate::rows;
-use crate::math;
+use crate::prelude::*;
 use crate::problem::Problem;
 use crate::propagation::forces::stiffness::Stiffness;
 use crate::propagation::jet::TERMS;
@@ -219,12 +214,23 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
         return Ok(false);
     }
     let mut drive = descent.wave.drives(transducers, work);
+    if holds_less(problem, &traps, [&drive, &foci.drives(transducers, work)]) {
+        return Ok(false);
+    }
     if let Some(quantization) = problem.quantization() {
         let unit = Softest::new((&traps, &fixed), planes(&descent.wave), STAGES[1]).unit;
         on_grid::bring(set, (&traps, &fixed, unit), quantization, (&[], f32::INFINITY), &mut drive);
     }
     foci.play(run.rows, drive.into_iter());
     Ok(true)
+}
+
+/// Whether the first drive of one board before a reflector holds its beads less firmly than the second. Nodes are at fixed
+/// distances from a reflector, so that a bead which is drawn to its point may lose most of the force.
+fn holds_less(problem: &Problem, traps: &Stiffness, drives: [&[Complex32]; 2]) -> bool {
+    let (propagation, bead) = (problem.propagation(), problem.setup().bead);
+    let [first, second] = drives.map(|drive| (traps.firmness)(propagation, bead, traps.chosen()[0], drive));
+    first < second
 }
 
 pub(super) fn planes<'a>(wave: &'a Wave) -> [&'a [f32]; 2] {
