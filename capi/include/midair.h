@@ -374,7 +374,8 @@ midair_result midair_session_set_numbers(midair_session *session,
 // Computes a drive for points (count, 3) in m, and writes it to drive (transducers,), where transducers is N. pressures
 // (count,) are peak |p| in Pa; if NULL, all points get the level that the array can give to all of them at once. weights
 // (count,) may be NULL for 1 everywhere; answer may be NULL. With 0 points, a session made from a scene solves the scene's own
-// request. Each kind of warning is in the message once per session; without a message, warnings are not computed.
+// request. Each kind of warning is in the message once per session; without a message, warnings are not computed. Warnings
+// about array and medium are in the message of the call that made the session, and in that of the first solve.
 midair_result midair_session_solve(midair_session *session,
                                    const double *points,
                                    const double *pressures,

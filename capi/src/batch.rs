@@ -168,7 +168,7 @@ struct Solved {
 
 fn solve_scene(k: usize, text: &str, folder: Option<&Path>, row: usize) -> Result<Solved> {
     let place = format!("scenes[{k}]");
-    let (mut state, said) = State::of_scene(text, Source { name: &place, folder })?;
+    let (mut state, _) = State::of_scene(text, Source { name: &place, folder })?;
     if state.session.transducers() > row {
         let value = format!("{} transducers", state.session.transducers());
         return Err(Error::invalid(place, value, format!("a row of drives has room for {row}")));
@@ -176,7 +176,6 @@ fn solve_scene(k: usize, text: &str, folder: Option<&Path>, row: usize) -> Resul
     let solution = state.solve_own().map_err(|error| error.inside(place.as_str()))?;
     let (mut drive, answer) = (solution.drive.clone(), solution.into());
     drive.resize(row, Complex32::ZERO);
-    let said = format!("{said}\n{}", state.remarks());
-    let said = said.lines().filter(|line| !line.is_empty()).map(|line| format!("{place}: {line}")).collect();
+    let said = state.remarks().lines().map(|line| format!("{place}: {line}")).collect();
     Ok(Solved { drive, answer, said })
 }

@@ -21,8 +21,9 @@ pub struct Session(Mutex<State>);
 /// The data that calls change.
 pub(crate) struct State {
     setting: Setting,
-    /// Warnings about the settings.
+    /// Warnings about the settings, and whether the message of a solve has had them.
     doubts: Vec<String>,
+    repeated: bool,
     pub(crate) model: Model,
     pub(crate) session: midair::Session,
     pub(crate) ask: SolveRequest,
@@ -40,7 +41,7 @@ impl State {
         let news: Vec<&str> = doubts.iter().filter(|doubt| !reported.contains(doubt)).map(String::as_str).collect();
         let news = news.join("\n");
         let ask = SolveRequest { aim: setting.aim(), ..SolveRequest::default() };
-        Ok((Self { setting, doubts, model, session, ask, scene_request: None, moving: None }, news))
+        Ok((Self { setting, doubts, repeated: false, model, session, ask, scene_request: None, moving: None }, news))
     }
 
     /// Makes a session from the text of a scene. Also returns warnings about probable mistakes.
@@ -71,11 +72,13 @@ impl State {
         self.setting.board(kind)
     }
 
-    /// Returns the warnings about the last solution, each kind once in a session.
+    /// Returns the warnings about the last solution, each kind once in a session; first those about the settings again, as
+    /// many a caller reads only the messages of solves.
     pub(crate) fn remarks(&mut self) -> String {
-        let doubts = self.session.doubts(&self.ask);
-        let doubts = doubts.iter().map(ToString::to_string);
-        let lines: Vec<String> = doubts.chain(self.session.remarks().map(|remark| remark.to_string())).collect();
+        let own = if std::mem::replace(&mut self.repeated, true) { Vec::new() } else { self.doubts.clone() };
+        let doubts = self.session.doubts(&self.ask).into_iter().map(|doubt| doubt.to_string());
+        let remarks = self.session.remarks().map(|remark| remark.to_string());
+        let lines: Vec<String> = own.into_iter().chain(doubts).chain(remarks).collect();
         lines.join("\n")
     }
 }
@@ -220,7 +223,8 @@ pub unsafe extern "C" fn midair_session_set_numbers(
 /// Computes a drive for points (count, 3) in m, and writes it to drive (transducers,), where transducers is N. pressures
 /// (count,) are peak |p| in Pa; if NULL, all points get the level that the array can give to all of them at once. weights
 /// (count,) may be NULL for 1 everywhere; answer may be NULL. With 0 points, a session made from a scene solves the scene's own
-/// request. Each kind of warning is in the message once per session; without a message, warnings are not computed.
+/// request. Each kind of warning is in the message once per session; without a message, warnings are not computed. Warnings
+/// about array and medium are in the message of the call that made the session, and in that of the first solve.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_solve(
     session: *mut Session,

@@ -1,5 +1,6 @@
 """Sessions made from the text of a scene file give the same bits as the package."""
 
+from ctypes import c_void_p
 from pathlib import Path
 
 import numpy as np
@@ -81,6 +82,33 @@ def test_a_bead_by_name_is_that_of_a_scene(library: Library) -> None:
     assert drive.tobytes() == wanted.drive.astype(np.complex64).tobytes()
     assert drive.tobytes() != usual.tobytes()
     library.plain("session_free", session)
+
+
+@pytest.mark.parametrize(("channels", "fallen"), [("", True), (f"channels = {[*range(72)]}\n", False)])
+def test_beads_that_fall_are_in_the_message_of_a_solve(library: Library, channels: str, fallen: bool) -> None:
+    places = [[0.01, 0, 0], [-0.01, 0, 0], [0, 0.01, 0], [0, -0.01, 0]]
+    points = "".join(f"[[points]]\nposition = {place}\n" for place in places)
+    text = f'signature = "trap"\n[array]\npreset = "tinylev"\n{channels}{points}'
+    session = library.new("session_open", text, None)
+    drive = np.zeros(72, np.complex64)
+    said = [library.done("session_solve", session, None, None, None, 0, drive, 72, None) for _ in range(2)]
+    assert said[0].startswith("traps hold 0 of 4 beads: ") if fallen else not said[0]
+    assert not said[1]
+    library.plain("session_free", session)
+
+
+def test_positions_in_millimetres_are_in_the_messages_of_session_and_solve(library: Library) -> None:
+    x, y = np.meshgrid(np.arange(4.0), np.arange(4.0))
+    array = library.new("array_new", np.stack([10 * x, 10 * y, 0 * x], axis=-1).reshape(16, 3).copy(), None, 16)
+    handle, drive = np.zeros(1, np.uintp), np.zeros(16, np.complex64)
+    said = library.done("session_new", array, "uniform", handle)
+    assert "10 mm are 0.01 m" in said
+    session, points = c_void_p(int(handle[0])), np.array([[15.0, 15.0, 100.0]])
+    solves = [library.done("session_solve", session, points, None, None, 1, drive, 16, None) for _ in range(2)]
+    assert solves[0].splitlines()[0] == said
+    assert said not in solves[1]
+    library.plain("session_free", session)
+    library.plain("array_free", array)
 
 
 def test_files_are_looked_up_in_the_folder(library: Library, tmp_path: Path) -> None:
