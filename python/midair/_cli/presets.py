@@ -251,10 +251,4 @@ def _print_board(name: str, record: dict[str, Any]) -> None:
 def _board_record(name: str) -> dict[str, Any]:
     board = Board(name)
     kind = KINDS[board.name]
-    return {
-        "summary": kind.summary,
-        "source": kind.source,
-        "link": board.link,
-        "baud": board.baud,
-        **board.limits,
-    }
+    return {"summary": kind.summary, "source": kind.source, "link": board.link, "baud": board.baud, **board.limits}

@@ -8,14 +8,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    Progress,
-    SpinnerColumn,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
+from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 #: Exit statuses: of a rejected request; of a result for lengths that are probably in another unit; of an
 #: internal error of midair; if the reader of standard output has closed it (128 + SIGPIPE); of Ctrl-C (128 +
@@ -99,13 +92,7 @@ def abandon() -> None:
 def progress_bar(doing: str) -> Iterator[Callable[[int, int], None]]:
     """Show a progress bar if a block takes over a second; yields a function to call with (step, steps)."""
     # This spinner consists of ASCII characters, which every terminal has.
-    columns = (
-        SpinnerColumn("line"),
-        TextColumn(doing),
-        BarColumn(),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-    )
+    columns = (SpinnerColumn("line"), TextColumn(doing), BarColumn(), TimeElapsedColumn(), TimeRemainingColumn())
     terminal = Console(stderr=True)
     # If the output is no terminal, even a transient bar would leave an empty line.
     moves = terminal.is_terminal and not terminal.is_dumb_terminal

@@ -101,10 +101,7 @@ def print_written(what: object) -> None:
 
 
 def print_solutions(
-    command: str,
-    solutions: Iterable[Solution],
-    names: Iterable[str] | None = None,
-    gaps: Iterable[float] | None = None,
+    command: str, solutions: Iterable[Solution], names: Iterable[str] | None = None, gaps: Iterable[float] | None = None
 ) -> None:
     """Print a sentence about the best solution, and the metrics of all side by side.
 

@@ -64,12 +64,7 @@ def _limit(text: str) -> str | float:
 
 @of(tolerate, "phase gain dead reversed temperature tilt position trials seed scheduler")
 def tolerate_command(
-    scene: SceneName,
-    *,
-    solver: SolverName = None,
-    image: Path | None = None,
-    json: Json = False,
-    **keywords: Any,
+    scene: SceneName, *, solver: SolverName = None, image: Path | None = None, json: Json = False, **keywords: Any
 ) -> int:
     """Solve a scene file and play the drive with faults: how much of level and uniformity remains.
 

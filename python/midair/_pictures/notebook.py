@@ -250,10 +250,7 @@ def array(array: Array) -> str:
         ("source pressure", f"{array.source_pressure:.4g} Pa m"),
         ("directivity", directivity),
         ("phases", "any" if board is None or board["phases"] is None else board["phases"]),
-        (
-            "amplitudes",
-            "any" if board is None or board["amplitudes"] is None else np.size(board["amplitudes"]),
-        ),
+        ("amplitudes", "any" if board is None or board["amplitudes"] is None else np.size(board["amplitudes"])),
         ("off", int((~array.mask).sum())),
     )
 

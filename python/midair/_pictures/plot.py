@@ -11,20 +11,7 @@ from numpy.typing import NDArray
 
 from .._midair import Field, Plane, Solution, field, stated
 from . import words
-from .colours import (
-    KILO,
-    MAPS,
-    Axes,
-    Figure,
-    Map,
-    Quantity,
-    Size,
-    SubFigure,
-    beyond,
-    colours,
-    loud,
-    of_pressures,
-)
+from .colours import KILO, MAPS, Axes, Figure, Map, Quantity, Size, SubFigure, beyond, colours, loud, of_pressures
 from .panel import add_bar, draw, frame, grid, paint, shape, sides
 
 if TYPE_CHECKING:
@@ -501,10 +488,7 @@ def requested_and_got(solution: Solution, ax: Axes) -> None:
     if top >= KILO and unit == " / Pa":
         got, targets, top, unit = got / 1e3, targets / 1e3, top / 1e3, " / kPa"
     size = 5.0 if len(got) <= MOST_BARS else 2.5
-    for chosen, colour, marker, label in (
-        (~quiet, TEAL, "o", "got"),
-        (quiet, AMBER, "s", "got at a quiet point"),
-    ):
+    for chosen, colour, marker, label in ((~quiet, TEAL, "o", "got"), (quiet, AMBER, "s", "got at a quiet point")):
         if chosen.any():
             ax.vlines(index[chosen], targets[chosen], got[chosen], color=colour, linewidth=1.1)
             ax.plot(index[chosen], got[chosen], marker, color=colour, markersize=size, label=label)
