@@ -250,8 +250,11 @@ def _traps(scene: Scene, curve: _Curve) -> _Traps:
     found = []
     for place in curve.places[looked]:
         one = scene.replace(points=[place])
-        trap = rest(one, solve(one))
+        with without_warnings():
+            solution = solve(one)
+        trap = rest(one, solution)
         if not trap.held[0]:
+            # The error says what the warning of a bead that falls would.
             where = ", ".join(f"{1e3 * x:.1f}" for x in place)
             cure = "move the curve to where traps are strong"
             raise stated("no trap", f"holds the bead at ({where}) mm", cure)
