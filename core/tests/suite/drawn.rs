@@ -54,7 +54,7 @@ fn tables_are_drawn_in_order_after_the_points() {
     let names: Vec<&str> = requested.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["shape", "shape", "image"]);
     let text = toml::de::DeTable::parse(&requested[0].1).expect("TOML").into_inner();
-    assert_eq!(text["height"].get_ref().as_float().map(|number| number.as_str()), Some("0.03"));
+    assert_eq!(text["height"].get_ref().as_float().map(toml::de::DeFloat::as_str), Some("0.03"));
     assert_eq!(text["string"].get_ref().as_str(), Some("hi"));
 }
 
