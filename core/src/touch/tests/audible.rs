@@ -22,7 +22,7 @@ fn a_frame_starts_where_the_one_before_has_ended() {
                 for (t, &frame) in order.iter().enumerate() {
                     let a = [f64::from(row[frame].re), f64::from(row[frame].im)];
                     let b = [y[0] - a[0], y[1] - a[1]];
-                    y = [a[0] + f64::from(late) * b[0], a[1] + f64::from(late) * b[1]];
+                    y = [a[0] + late * b[0], a[1] + late * b[1]];
                     if lap > 0 {
                         continue;
                     }
