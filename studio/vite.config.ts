@@ -1,3 +1,3 @@
 import { defineConfig } from "vite";
 
-export default defineConfig({ test: { include: ["test/*.test.ts"] } } as object);
+export default defineConfig({ test: { include: ["test/*.test.ts"], testTimeout: 120_000 } } as object);
