@@ -16,9 +16,7 @@ use crate::device::channels::Channels;
 use crate::kernels::{InstructionSet, padded};
 use crate::linalg::symmetric::eigen;
 use crate::prelude::*;
-use crate::propagation::Propagation;
 use crate::propagation::forces::response::{Form, Product, Response};
-use crate::propagation::forces::rest::firmness;
 use crate::propagation::jet::{TERMS, degree};
 use crate::propagation::local::Local;
 use crate::propagation::scattering::Scattering;
@@ -46,8 +44,6 @@ pub(crate) struct Stiffness {
     load: Vec<[f64; 3]>,
     particle: Particle,
     medium: Medium,
-    /// How firmly a drive holds the beads: a pointer, so that programs without traps are not linked with it.
-    pub(crate) firmness: fn(&Propagation, Bead, &[usize], &[Complex32]) -> f64,
 }
 
 impl Stiffness {
@@ -106,7 +102,6 @@ impl Stiffness {
             chosen,
             particle,
             medium: sources.medium,
-            firmness,
         };
         Ok(finite.then_some(made))
     }

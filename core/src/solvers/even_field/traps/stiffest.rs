@@ -15,6 +15,7 @@ use crate::kernels::InstructionSet;
 use crate::kernels::propagate::rows;
 use crate::prelude::*;
 use crate::problem::Problem;
+use crate::propagation::forces::rest::firmness;
 use crate::propagation::forces::stiffness::Stiffness;
 use crate::propagation::jet::TERMS;
 use crate::scene::{Aim, Signature, dot};
@@ -229,7 +230,7 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
 /// distances from a reflector, so that a bead which is drawn to its point may lose most of the force.
 fn holds_less(problem: &Problem, traps: &Stiffness, drives: [&[Complex32]; 2]) -> bool {
     let (propagation, bead) = (problem.propagation(), problem.setup().bead);
-    let [first, second] = drives.map(|drive| (traps.firmness)(propagation, bead, traps.chosen()[0], drive));
+    let [first, second] = drives.map(|drive| firmness(propagation, bead, traps.chosen()[0], drive));
     first < second
 }
 
