@@ -81,7 +81,19 @@ pub(crate) fn meet(
     let task = Task { before: solution.steps, ..nearest::USUAL };
     let nearest = nearest::nearest(problem, task, work, control)?;
     let uneven = leaks || matches!(regime, None | Some(Regime::Crowded));
-    nearest::nearer(problem, quiet, [solution, nearest], uneven, work, control)
+    let mut found = nearest::nearer(problem, quiet, [solution, nearest], uneven, work, control)?;
+    if plans.len() == 1 || problem.has_start() || found.status == Status::Stopped {
+        return Ok(found);
+    }
+    // The loudest of several even fields may be farther from targets on a board than that of the first plan alone.
+    match meet(problem, &plans[..1], work, control) {
+        Ok(first) if problem.miss(&first, quiet) < problem.miss(&found, quiet) => return Ok(first),
+        Ok(first) if first.status == Status::Stopped => found.status = Status::Stopped,
+        Ok(_) => {}
+        Err(error) if error.is_stop() => found.status = Status::Stopped,
+        Err(error) => return Err(error),
+    }
+    Ok(found)
 }
 
 /// Returns the best even drive that any of the plans finds, at the level that the problem aims at.
