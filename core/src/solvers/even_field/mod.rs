@@ -87,9 +87,16 @@ pub(crate) fn meet(
     }
     // The loudest of several even fields may be farther from targets on a board than that of the first plan alone.
     match meet(problem, &plans[..1], work, control) {
-        Ok(first) if problem.miss(&first, quiet) < problem.miss(&found, quiet) => return Ok(first),
-        Ok(first) if first.status == Status::Stopped => found.status = Status::Stopped,
-        Ok(_) => {}
+        Ok(first) if problem.miss(&first, quiet) < problem.miss(&found, quiet) => {
+            found.recycle(work);
+            return Ok(first);
+        }
+        Ok(first) => {
+            if first.status == Status::Stopped {
+                found.status = Status::Stopped;
+            }
+            first.recycle(work);
+        }
         Err(error) if error.is_stop() => found.status = Status::Stopped,
         Err(error) => return Err(error),
     }
