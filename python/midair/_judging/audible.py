@@ -82,7 +82,8 @@ def planes(scene: Scene, ears: NDArray[np.float64]) -> Iterator[tuple[NDArray[np
 
 def distances(points: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the distances (V, K) in m of points (V, 3) from others (K, 3)."""
-    return np.linalg.norm(points[:, None] - others, axis=2)
+    found: NDArray[np.float64] = np.linalg.norm(points[:, None] - others, axis=2)
+    return found
 
 
 def audible_lines(
@@ -97,7 +98,7 @@ def audible_lines(
     scene = played._scene.replace(signature=None)
     rate, count = played.rate, len(played)
     drives, which = np.unique(played.drives, axis=0, return_inverse=True)
-    which = which.ravel().astype(np.uintp)
+    order = which.ravel().astype(np.uintp)
     air, positions = list(planes(scene, ears)), scene.array.positions
     # The longest way to an ear ends before this bin.
     corners = np.concatenate([points[[0, -1]] for points, _ in air])
@@ -125,7 +126,7 @@ def audible_lines(
             away = distances(ears, part)
             bin_of = ((way + away) / BIN).astype(np.uintp)
             weights = (volume / np.maximum(away, scene.wavelength)).astype(np.float32)
-            demodulate(gains @ drives.T, which, np.exp(-1 / (rate * TAU)), weights, bin_of, sums)
+            demodulate(gains @ drives.T, order, np.exp(-1 / (rate * TAU)), weights, bin_of, sums)
             used, done = max(used, int(bin_of.max()) + 1), done + len(part)
     if progress is not None:
         progress(total, total)
