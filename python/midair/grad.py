@@ -217,7 +217,7 @@ def gorkov(
     --------
     >>> import midair
     >>> array, points = midair.Array.preset("paper20"), [[0, 0, 0.1]]
-    >>> drive = midair.solve(midair.Scene(array, points, signature="trap")).drive
+    >>> drive = midair.solve(midair.Scene(array, [[0.01, 0, 0.1]])).drive
     >>> by = midair.grad.gorkov(array, drive, points, bead={"radius": 2e-5})
     >>> force = midair.gorkov(midair.Scene(array, points), drive, bead={"radius": 2e-5}).force
     >>> bool(abs(by.points + force).max() < 0.01 * abs(force).max())

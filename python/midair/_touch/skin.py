@@ -178,7 +178,7 @@ def skin(
     >>> ring = midair.path.circle([0, 0, 0.15], 0.02, speed=7)
     >>> touch = midair.skin(midair.sequence(array, ring, rate=4e3, change=1.0))
     >>> touch.displacement.shape, touch.level > 0
-    ((18, 4096), True)
+    ((9, 4096), True)
     """
     if not isinstance(sequence, Sequence):
         raise refused("sequence", sequence, "give a midair.Sequence")
