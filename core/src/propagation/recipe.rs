@@ -84,12 +84,20 @@ impl Recipe {
                 chosen.iter().zip(points).try_for_each(check)?;
             }
             let scattering = self.scattering.as_deref();
+            let images = scattering.map_or(&[][..], |all| &all.images);
+            let sources = core::iter::once(&*self.sources).chain(images);
+            let Some(signature) = &self.signature else {
+                sources.for_each(|one| add_exact(one, points, rows));
+                if let Some(all) = scattering {
+                    all.add(&self.sources, points, rows);
+                }
+                return Ok(());
+            };
             let waves = |add: &dyn Fn(&mut [Vec<Complex64>])| {
                 let mut waves = vec![vec![Complex64::ZERO; array.len()]; points.len()];
                 add(&mut waves);
                 waves
             };
-            let sources = core::iter::once(&*self.sources).chain(scattering.map_or(&[][..], |all| &all.images));
             let direct =
                 sources.map(|one| (waves(&|rows| add_exact(one, points, rows)), one.array.positions().to_vec()));
             let bodies = scattering
@@ -105,11 +113,9 @@ impl Recipe {
                     }
                 }
             }
-            if let Some(signature) = &self.signature {
-                for (k, (row, (&j, &point))) in rows.iter_mut().zip(chosen.iter().zip(points)).enumerate() {
-                    let factors = signature.factors((array, &frame), (j, point), [row, &above[k]]);
-                    row.iter_mut().zip(factors).for_each(|(g, s)| *g *= s);
-                }
+            for (k, (row, (&j, &point))) in rows.iter_mut().zip(chosen.iter().zip(points)).enumerate() {
+                let factors = signature.factors((array, &frame), (j, point), [row, &above[k]]);
+                row.iter_mut().zip(factors).for_each(|(g, s)| *g *= s);
             }
             Ok(())
         })

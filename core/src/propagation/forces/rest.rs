@@ -216,8 +216,12 @@ impl Follow<'_> {
             let next = place + step;
             if length < STILL * self.wavelength {
                 let stable = stiffness.iter().all(|&k| k > 0.0);
-                let lost = One { held: stable, ..One::lost(next) };
-                return if stable && self.measured { self.held(j, next, stiffness, axes, control) } else { Ok(lost) };
+                let unmeasured = One { held: stable, ..One::lost(next) };
+                return if stable && self.measured {
+                    self.held(j, next, stiffness, axes, control)
+                } else {
+                    Ok(unmeasured)
+                };
             }
             if next.distance(start) > FAR * self.wavelength {
                 return Ok(One::lost(next));
