@@ -444,20 +444,28 @@ def test_numbers_below_the_least_are_no_error():
         found.felt([0, 0, 0.15], bands=[(5, 50)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("points", "most"), [(1, 1.0), (4, 1.5), (8, 1.5)])
 def test_glide_keeps_codes_of_few_phases(points: int, most: float) -> None:
-    """Checks that about as few codes change (a change is audible) as after rounding free phases."""
-    t, turn = np.arange(200)[:, None] / 10e3, 2 * np.pi * np.arange(points) / points
-    x, y = (0.02 * of(2 * np.pi * 6 * t + turn) for of in (np.cos, np.sin))
-    path = np.stack([x, y, np.full_like(x, 0.2)], -1)
+    """Checks that about as few codes change (a change is audible) as after rounding free phases.
 
-    def codes(quantization: dict[str, int]) -> np.ndarray:
-        board = midair.Array.grid(16, 16, 10.5e-3, quantization=quantization)
-        drives = np.asarray(midair.sequence(board, path, rate=10e3).drives)
-        return np.round(np.angle(drives) / (2 * np.pi / 32)) % 32
-
-    few, free = (np.count_nonzero(np.diff(codes(board), axis=0)) for board in ({"phases": 32}, {}))
+    Over eight paths: of one alone the ratio is 1.04 to 1.79 with four points, and depends on the last bits.
+    """
+    few = free = 0
+    for begin in (0, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.3):
+        t, turn = np.arange(200)[:, None] / 10e3, 2 * np.pi * np.arange(points) / points + begin
+        x, y = (0.02 * of(2 * np.pi * 6 * t + turn) for of in (np.cos, np.sin))
+        path = np.stack([x, y, np.full_like(x, 0.2)], -1)
+        few += changed_codes(path, {"phases": 32})
+        free += changed_codes(path, {})
     assert 0.5 * free < few <= most * free
+
+
+def changed_codes(path: np.ndarray, quantization: dict[str, int]) -> int:
+    """Returns how many codes of 32 phases change along a path."""
+    board = midair.Array.grid(16, 16, 10.5e-3, quantization=quantization)
+    drives = np.asarray(midair.sequence(board, path, rate=10e3).drives)
+    return np.count_nonzero(np.diff(np.round(np.angle(drives) / (2 * np.pi / 32)) % 32, axis=0))
 
 
 def test_a_modulation_that_max_would_ignore_is_warned_of() -> None:
