@@ -41,6 +41,11 @@ def test_levels_at_places_are_those_of_numpy() -> None:
     np.testing.assert_allclose(over, expected - 110, atol=1e-3)
     assert "howard" in repr(found)
     assert "Hansen" in found._repr_html_()
+    (axes,) = found.plot().axes
+    dots = [line.get_xdata()[0] for line in axes.lines]
+    np.testing.assert_allclose(dots, [place.spl for place in found.places] + [110])
+    assert [line.get_color() == "tab:orange" for line in axes.lines[:-1]] == [p.spl > 110 for p in found.places]
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["left ear", "right ear"]
 
 
 @pytest.mark.slow

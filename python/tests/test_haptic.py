@@ -38,6 +38,12 @@ def test_a_schedule_is_felt_more_than_the_usual_techniques() -> None:
     assert along(again, places) == pytest.approx(found.strength, abs=0.2)
     assert "schedule of" in repr(found)
     assert "dB" in found._repr_html_()
+    figure = found.plot()
+    assert figure.axes[0].collections, "a map of the skin"
+    dots = [line.get_xdata()[0] for line in figure.axes[1].lines]
+    np.testing.assert_allclose(dots, [found.strength, *found.standards.values()])
+    with pytest.raises(midair.SceneError, match='give one of "skin", "techniques"'):
+        found.plot(panels="ears")
 
 
 def foci(rate: float, frames: int) -> tuple[Foci, Any, midair.Plane]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Scene, Solution, about, field, numbers, stated
+from .._pictures.colours import Axes, Figure, Size
 from .._points.ear import REFERENCE, Ear
 from .._sequence import Sequence
 from .._sequence.drives import rows
@@ -264,6 +265,34 @@ class Exposure:
         beside = f"{abs(over):.1f} dB {'above' if over > 0 else 'below'} the limit"
         loudest = "the loudest place" if len(self.places) > 1 else "the place"
         return f"{loudest}, {worst.name}, gets {worst.spl:.1f} dB, {beside}"
+
+    def plot(self, ax: Axes | None = None, *, size: Size | None = None) -> Figure:
+        """Draw the levels beside the limit, those above it in another colour.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes of your own.
+        size : float or (float, float), optional
+            Size of the figure in inches: its width, or (width, height).
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure.
+
+        Raises
+        ------
+        SceneError
+            For an invalid size.
+        """
+        from .._pictures.figures import dots, row
+
+        height = 1.4 + 0.35 * len(self.places)
+        figure, axes = row(None, ("levels",), ax, size, width=4.6, height=height)
+        levels = {place.name: place.spl for place in self.places}
+        dots(axes["levels"], levels, f'SPL / dB, limit "{self.limit.name}"', self.above, self.limit.spl)
+        return figure
 
     def __repr__(self) -> str:
         return f"{columns.plain(self.cells())}\n{self.heading}"

@@ -5,7 +5,7 @@ Only drawing imports this module, because it loads matplotlib; `import midair` d
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -228,6 +228,24 @@ def colour_map(cmap: Map | None, own: str) -> Map:
     if not isinstance(cmap, Colormap) and cmap not in colormaps:
         raise refused("cmap", cmap, f"give a name that matplotlib has, such as {own}")
     return cmap
+
+
+def dots(ax: Axes, values: Mapping[str, float], label: str, marked: tuple[str, ...], line: float | None = None) -> None:
+    """Draw levels in dB as dots, one a row, with their values; rows `marked` in colour, and an upright line."""
+    finite = [value for value in (*values.values(), line) if value is not None and np.isfinite(value)]
+    low, high = (min(finite), max(finite)) if finite else (0.0, 1.0)
+    for row, (name, value) in enumerate(values.items()):
+        colour = "tab:orange" if name in marked else "tab:blue"
+        at = value if np.isfinite(value) else low
+        ax.plot(at, row, "o" if np.isfinite(value) else "<", color=colour)
+        text = f"{value:.1f}" if np.isfinite(value) else "none"
+        ax.annotate(text, (at, row), xytext=(0, 6), textcoords="offset points", ha="center", fontsize="small")
+    if line is not None:
+        ax.axvline(line, color="black", linewidth=0.9)
+    spare = max(0.15 * (high - low), 1.0)
+    ax.set(xlabel=label, xlim=(low - spare, high + spare), ylim=(len(values) - 0.5, -0.7))
+    ax.set_yticks(range(len(values)), list(values))
+    ax.grid(axis="y", alpha=0.3)
 
 
 def whole(ax: Axes) -> Figure:

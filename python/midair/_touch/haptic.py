@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _midair
 from .._judging.exposure import Exposure, exposure, limit_of
 from .._midair import Array, Scene, SceneError, bound_of, decibels, hand, restated, solve_batch, unknown_name
+from .._pictures.colours import Axes, Figure, Size
 from .._sequence import Sequence, sequence
 from .._sequence.drives import lowered, time_constant
 from .._support.arguments import frame_rate, number, refused, warn, without_warnings, word
@@ -44,6 +45,9 @@ MODEL = ("speed", "loss", "mass", "reach", "tau")
 
 #: The audible sound of frames is lowered with them if all amplitudes are lowered alike, up to this part.
 SAME = 1e-6
+
+Panel: TypeAlias = Literal["skin", "techniques"]
+Panels: TypeAlias = Panel | Iterable[Panel] | None
 
 #: Largest number of times that a level is lowered. Frames with one amplitude need one.
 LOWERINGS = 20
@@ -97,8 +101,44 @@ class Haptic(Facts):
     @property
     def gain(self) -> float:
         """Gain in dB over the best of `standards`, of the quantity that the aim maximises."""
-        reached = {"strong": self.strength, "even": self.weakest, "pressure": self.pressure}[self.aim]
-        return reached - max(self.standards.values())
+        return self._reached - max(self.standards.values())
+
+    @property
+    def _reached(self) -> float:
+        return {"strong": self.strength, "even": self.weakest, "pressure": self.pressure}[self.aim]
+
+    def plot(self, ax: Axes | None = None, *, panels: Panels = None, size: Size | None = None) -> Figure:
+        """Draw the motion of the skin, and the technique beside `standards`.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes of your own for one panel, the first of `panels`.
+        panels : {"skin", "techniques"} or list of them, optional
+            The panels to draw, side by side; by default both.
+        size : float or (float, float), optional
+            Size of the figure in inches: its width, or (width, height).
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure.
+
+        Raises
+        ------
+        SceneError
+            For an unknown panel or size.
+        """
+        from .._pictures.figures import dots, row
+
+        figure, axes = row(panels, get_args(Panel), ax, size, width=4.4, height=3.4)
+        if (one := axes.get("skin")) is not None:
+            self.skin.plot(ax=one, panels="pressure" if self.aim == "pressure" else "motion")
+        if (one := axes.get("techniques")) is not None:
+            where = {"strong": "mean strength / dB above threshold", "even": "least strength / dB above threshold"}
+            levels = {self.technique: self._reached, **self.standards}
+            dots(one, levels, where.get(self.aim, "pressure / dB re 1 Pa"), (self.technique,))
+        return figure
 
     def _rows(self) -> list[tuple[str, str]]:
         level = f"{self.strength:.1f} dB above threshold, {self.weakest:.1f} dB where it is weakest"
