@@ -96,7 +96,7 @@ test-rust: ## The core: tests, doctests, each feature set, no_std
 	$(call step,core: a program without std (20 s),$(CARGO) run --quiet --manifest-path core/tests/no_std/Cargo.toml)
 
 test-python: .venv/extension ## The package: tests, stubs, types
-	$(call step,package: tests (8 min),$(PYTHON) -m pytest --numprocesses auto)
+	$(call step,package: tests (8 min),$(PYTHON) -m pytest --numprocesses auto --dist loadgroup)
 	$(call step,package: stubs against the extension (20 s),$(PYTHON) -m mypy.stubtest midair._midair)
 	$(call step,package: types (20 s),$(PYTHON) -m mypy python/midair)
 

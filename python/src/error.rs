@@ -4,7 +4,7 @@ use midair::solvers::Remark;
 use midair::{ErrorCode, Notice};
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
-use pyo3::types::PyType;
+use pyo3::types::{PyString, PyType};
 
 use crate::toolbox;
 
@@ -129,10 +129,16 @@ pub(crate) fn error_of(exception: &Bound<'_, PyAny>) -> PyResult<midair::Error> 
 /// midair.SceneError
 #[pyfunction]
 #[pyo3(signature = (item, words, cure, code="invalid"))]
-pub(crate) fn stated(py: Python<'_>, item: &str, words: &str, cure: &str, code: &str) -> PyResult<Py<PyAny>> {
+pub(crate) fn stated(
+    py: Python<'_>,
+    #[pyo3(from_py_with = lossy)] item: String,
+    #[pyo3(from_py_with = lossy)] words: String,
+    #[pyo3(from_py_with = lossy)] cure: String,
+    code: &str,
+) -> PyResult<Py<PyAny>> {
     let code = ErrorCode::of(code).ok_or_else(|| invalid("code", code, "give one of docs/errors.md"))?;
-    let (verb, value) = if item.is_empty() { ("", words) } else { words.split_once(' ').unwrap_or((words, "")) };
-    let error = midair::Error::of(Notice::new(code, item, value, one_line(cure)).verb(verb));
+    let (verb, value) = if item.is_empty() { ("", &*words) } else { words.split_once(' ').unwrap_or((&words, "")) };
+    let error = midair::Error::of(Notice::new(code, &*item, value, one_line(&cure)).verb(verb));
     Ok(refused(error).into_value(py).into_any())
 }
 
@@ -142,7 +148,12 @@ pub(crate) fn stated(py: Python<'_>, item: &str, words: &str, cure: &str, code: 
 /// -------
 /// midair.SceneError
 #[pyfunction]
-pub(crate) fn unknown_name(py: Python<'_>, kind: &str, name: &str, known: Vec<String>) -> Py<PyAny> {
+pub(crate) fn unknown_name(
+    py: Python<'_>,
+    kind: &str,
+    #[pyo3(from_py_with = lossy)] name: String,
+    known: Vec<String>,
+) -> Py<PyAny> {
     refused(midair::Error::unknown(kind, name, known.iter().map(String::as_str))).into_value(py).into_any()
 }
 
@@ -177,6 +188,11 @@ pub(crate) fn restated(
     }
     changed.index = index.or(changed.index);
     Ok(refused(changed).into_value(error.py()).into_any())
+}
+
+/// Reads a text that may contain a user's: halves of surrogate pairs, which Rust's texts cannot contain, are replaced.
+pub(crate) fn lossy(given: &Bound<'_, PyAny>) -> PyResult<String> {
+    Ok(given.cast::<PyString>()?.to_string_lossy().into_owned())
 }
 
 fn one_line(text: &str) -> String {

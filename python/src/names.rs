@@ -18,7 +18,7 @@ pub(crate) fn preset_name(name: &str) -> PyResult<&'static str> {
 
 /// Returns the known name that was probably meant, or "".
 #[pyfunction]
-pub(crate) fn nearest(name: &str, known: Vec<String>) -> String {
+pub(crate) fn nearest(#[pyo3(from_py_with = lossy)] name: String, known: Vec<String>) -> String {
     Error::unknown("", name, known.iter().map(String::as_str)).other.clone()
 }
 

@@ -311,7 +311,7 @@ def test_it_is_as_quiet_as_requested_at_the_ears() -> None:
         midair.haptic(line, array, rate=1e3, quiet=30)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_page_has_the_strength_push_and_sound_of_six_techniques() -> None:
     page = (Path(__file__).parents[2] / "docs/touch.md").read_text("utf-8")
     array, place = midair.Array.preset("autd3"), [0, 0, 0.15]

@@ -51,6 +51,7 @@ def everything(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("everything")
 def test_every_figure_has_its_files(everything: Path) -> None:
     for name in FIGURES:
         assert (everything / f"{name}.png").read_bytes().startswith(b"\x89PNG")
@@ -63,6 +64,7 @@ def test_every_figure_has_its_files(everything: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("everything")
 def test_every_statement_is_judged_with_its_numbers(everything: Path) -> None:
     rows = tables.read(everything / "verdicts.csv")
     reported = {figure: [row["statement"] for row in rows if row["figure"] == figure] for figure in FIGURES}
@@ -76,6 +78,7 @@ def test_every_statement_is_judged_with_its_numbers(everything: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("everything")
 def test_what_needs_no_luck_holds_with_three_trials(everything: Path) -> None:
     rows = tables.read(everything / "verdicts.csv")
     found = {row["statement"]: row["verdict"] for row in rows}

@@ -6,6 +6,7 @@ Am. 22, 426, 1950), up to the quadrupole.
 """
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -58,6 +59,7 @@ def pairs(radius: float = 1e-3, density: float = 29.0, sound_speed: float = 900.
     return s[:-1] + s[1:].conj() + 2 * s[:-1] * s[1:].conj()
 
 
+@cache
 def response(**particle: float) -> Complex:
     """Returns C (3,) in F_i = Re[C_0 p* p_i + C_1 p_j* p_ij + C_2 p_jk* p_ijk], p_i = dp/dx_i."""
     k = 2 * np.pi / WAVELENGTH
@@ -73,9 +75,10 @@ def force(waves: Complex, ways: Real, **particle: float) -> Real:
     p = waves * np.exp(v) / r
     p1, p2 = p * (v - 1) / r**2, p * (v**2 - 3 * v + 3) / r**4
     p3 = p * (v**3 - 6 * v**2 + 15 * v - 15) / r**6
-    slope, square = np.einsum("...n,...na->...a", p1, ways), np.einsum("...n,...na->...a", p2, ways)
-    bend = np.einsum("...n,...na,...nb->...ab", p2, ways, ways) + p1.sum(axis=-1)[..., None, None] * one
-    cube = np.einsum("...n,...na,...nb,...nc->...abc", p3, ways, ways, ways)
+    both = (ways[..., :, None] * ways[..., None, :]).reshape(*ways.shape[:-1], 9)
+    slope, square, bend = ((p[..., None, :] @ to)[..., 0, :] for p, to in ((p1, ways), (p2, ways), (p2, both)))
+    cube = ((p3[..., None] * ways).swapaxes(-1, -2) @ both).reshape(*slope.shape, 3, 3)
+    bend = bend.reshape(*slope.shape, 3) + p1.sum(axis=-1)[..., None, None] * one
     for sides in ("...a,bc->...abc", "...b,ac->...abc", "...c,ab->...abc"):
         cube = cube + np.einsum(sides, square, one)
     c = response(**particle)

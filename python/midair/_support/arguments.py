@@ -73,8 +73,9 @@ def _is_inside(frame: FrameType) -> bool:
 def shown(value: Any) -> str:
     """Return a short text of a value."""
     if isinstance(value, str | PathLike):
-        # A terminal does not display code 0, so it is written as \0.
-        return f'"{str(value).replace(chr(0), chr(92) + "0")}"'
+        # A terminal does not display code 0, so it is written as \0, and half of a surrogate pair as \ud800.
+        text = str(value).replace(chr(0), chr(92) + "0").encode("utf-8", "backslashreplace")
+        return f'"{text.decode()}"'
     return reprlib.repr(value)
 
 

@@ -61,8 +61,8 @@ def refusing(item: str, cure: str = "make room or choose another folder; what is
     """Convert the system's errors about an output to a SceneError of one line."""
     try:
         yield
-    except OSError as error:
-        reason = error.strerror or str(error)
+    except (OSError, UnicodeEncodeError) as error:
+        reason = getattr(error, "strerror", "no file can have this name") or str(error)
         raise stated(item, f"cannot be written ({reason})", cure, code="unwritable") from error
 
 

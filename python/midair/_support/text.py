@@ -4,6 +4,7 @@ Errors state file, line, value and cure.
 """
 
 import io
+import os
 import tomllib
 import zipfile
 import zlib
@@ -74,8 +75,12 @@ def content(path: str | PathLike[str], most: int = MOST_BYTES, *, empty: bool = 
     `empty` allows empty files.
     """
     file, most = Path(path), min(most, memory_limit())
-    if "\0" in str(file):
-        raise stated("a name", "of a file has a character of code 0", "give the name of a file")
+    try:
+        fit = b"\0" not in os.fsencode(file)
+    except UnicodeEncodeError:
+        fit = False
+    if not fit:
+        raise stated("a name", "of a file has a character that no file can have", "give the name of a file")
     try:
         if _no_file(file):
             raise fault(path, None, no_file())
