@@ -147,16 +147,8 @@ def second_lane(paged: threading.Event) -> None:
     """Builds the C libraries, Unity's package, sources for pip and Rust, and the wheels for other systems."""
     say("C library, crate, source distribution")
     run("cargo", "build", "--release", "--package", "midair-capi", env=built_in("capi"))
-    run(
-        "cargo",
-        "package",
-        "--quiet",
-        "--no-verify",
-        "--allow-dirty",
-        "--package",
-        "midair",
-        env=built_in("capi"),
-    )
+    package = ("cargo", "package", "--quiet", "--no-verify", "--allow-dirty", "--package", "midair")
+    run(*package, env=built_in("capi"))
     shutil.copy(BUILT / "capi" / "package" / f"midair-{VERSION}.crate", OUT)
     run(BIN / "maturin", "sdist", "--out", OUT)
     lacks = windows("c")
@@ -176,9 +168,8 @@ def windows(*parts: str) -> str:
     """Builds parts for Windows and tries them under Wine; returns what is missing for it."""
     say(f"for Windows: {' '.join(parts)}")
     command = [sys.executable, "python/tests/windows.py", *parts]
-    done = subprocess.run(
-        command, cwd=ROOT, env={**os.environ, "PROFILE": "release"}, capture_output=True, encoding="utf-8"
-    )
+    release = {**os.environ, "PROFILE": "release"}
+    done = subprocess.run(command, cwd=ROOT, env=release, capture_output=True, encoding="utf-8")
     if done.returncode and "missing: " not in done.stderr:
         raise SystemExit(f"{' '.join(command)}:\n{done.stdout}{done.stderr}")
     return done.stderr.partition("missing: ")[2].strip() if done.returncode else ""
@@ -225,8 +216,6 @@ def empty(python: str) -> Iterator[tuple[Path, dict[str, str]]]:
         (wheel,) = OUT.glob("*manylinux*x86_64*.whl")
         run(BIN / "uv", "pip", "install", "--quiet", "--python", folder / "env" / "bin" / "python", wheel)
         env = {"PATH": f"{folder}/env/bin:/usr/bin:/bin", "HOME": name, "MPLBACKEND": "Agg"}
-        if shutil.which("cargo", path=env["PATH"]) or shutil.which("rustc", path=env["PATH"]):
-            say("note: /usr/bin has a Rust compiler; nothing here calls it")
         (folder / "work").mkdir()
         yield folder / "work", env
 
@@ -297,16 +286,9 @@ def try_crate() -> None:
         assert found
         body = found[1].replace("# Ok::<(), midair::Error>(())", "Ok(())")
         uses, _, rest = body.partition("\n\n")
-        (program / "src" / "main.rs").write_text(
-            f"{uses}\n\nfn main() -> Result<(), midair::Error> {{\n{rest}}}\n", encoding="utf-8"
-        )
-        run(
-            "cargo",
-            "run",
-            "--quiet",
-            cwd=program,
-            env={**os.environ, "CARGO_TARGET_DIR": str(folder / "target")},
-        )
+        main = f"{uses}\n\nfn main() -> Result<(), midair::Error> {{\n{rest}}}\n"
+        (program / "src" / "main.rs").write_text(main, "utf-8")
+        run("cargo", "run", "--quiet", cwd=program, env={**os.environ, "CARGO_TARGET_DIR": str(folder / "target")})
 
 
 def try_source() -> None:
@@ -334,25 +316,15 @@ def try_site() -> None:
     """Serves the site from an empty folder, and fetches pages, the studio and its module."""
     with tempfile.TemporaryDirectory() as name:
         zipfile.ZipFile(OUT / f"midair-{VERSION}-site.zip").extractall(name)
-        handler = partial(QuietHandler, directory=name)
-        with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        handler = type("Quiet", (SimpleHTTPRequestHandler,), {"log_message": lambda *_: None})
+        with ThreadingHTTPServer(("127.0.0.1", 0), partial(handler, directory=name)) as server:
             threading.Thread(target=server.serve_forever, daemon=True).start()
             home = f"http://127.0.0.1:{server.server_port}"
-            for path, begins in (
-                ("index.html", b"<!doctype html>"),
-                ("studio/index.html", b"<!doctype html>"),
-                ("studio/midair.wasm", b"\0asm"),
-            ):
+            page = b"<!doctype html>"
+            for path, begins in {"index.html": page, "studio/index.html": page, "studio/midair.wasm": b"\0asm"}.items():
                 if not fetched(f"{home}/{path}").lower().lstrip().startswith(begins):
                     raise SystemExit(f"the site's {path} is no {begins!r}")
             server.shutdown()
-
-
-class QuietHandler(SimpleHTTPRequestHandler):
-    """Serves files without a line for each request."""
-
-    def log_message(self, *_: Any) -> None:
-        """Says nothing."""
 
 
 def try_unity() -> None:

@@ -33,8 +33,11 @@ __all__ = ["Gradient", "amplitude", "force", "gorkov", "pressure", "radiation", 
 #: Names of the gradients, in the order in which the extension returns them.
 NAMES = ("drive", "points", "positions", "normals", "sound_speed")
 
-#: Type of the first argument of every function.
+#: Types of the arguments.
 _Subject = Scene | Array | Solution
+_Drive = ArrayLike | Solution | None
+_Points = ArrayLike | None
+_Bead = Bead | Mapping[str, Any] | None
 
 
 class Gradient(NamedTuple):
@@ -70,12 +73,7 @@ class Gradient(NamedTuple):
     sound_speed: float
 
 
-def pressure(
-    scene: _Subject,
-    drive: ArrayLike | Solution | None = None,
-    points: ArrayLike | None = None,
-    cotangent: ArrayLike = 1.0,
-) -> Gradient:
+def pressure(scene: _Subject, drive: _Drive = None, points: _Points = None, cotangent: ArrayLike = 1.0) -> Gradient:
     """Compute the complex pressure p in Pa of a drive at points, and its gradients.
 
     Parameters
@@ -114,12 +112,7 @@ def pressure(
     return _gradient("pressure", scene, drive, points, cotangent)
 
 
-def amplitude(
-    scene: _Subject,
-    drive: ArrayLike | Solution | None = None,
-    points: ArrayLike | None = None,
-    cotangent: ArrayLike = 1.0,
-) -> Gradient:
+def amplitude(scene: _Subject, drive: _Drive = None, points: _Points = None, cotangent: ArrayLike = 1.0) -> Gradient:
     """Compute the amplitude |p| in Pa (peak) of a drive at points, and its gradients, 0 where p is 0.
 
     Parameters
@@ -149,12 +142,7 @@ def amplitude(
     return _gradient("amplitude", scene, drive, points, cotangent)
 
 
-def radiation(
-    scene: _Subject,
-    drive: ArrayLike | Solution | None = None,
-    points: ArrayLike | None = None,
-    cotangent: ArrayLike = 1.0,
-) -> Gradient:
+def radiation(scene: _Subject, drive: _Drive = None, points: _Points = None, cotangent: ArrayLike = 1.0) -> Gradient:
     """Compute the radiation pressure in Pa on a wall at normal incidence, and its gradients.
 
     Parameters
@@ -185,12 +173,7 @@ def radiation(
 
 
 def gorkov(
-    scene: _Subject,
-    drive: ArrayLike | Solution | None = None,
-    points: ArrayLike | None = None,
-    cotangent: ArrayLike = 1.0,
-    *,
-    bead: Bead | Mapping[str, Any] | None = None,
+    scene: _Subject, drive: _Drive = None, points: _Points = None, cotangent: ArrayLike = 1.0, *, bead: _Bead = None
 ) -> Gradient:
     """Compute the potential U in J of the force on a sphere at points, without the push of travelling waves.
 
@@ -227,12 +210,7 @@ def gorkov(
 
 
 def force(
-    scene: _Subject,
-    drive: ArrayLike | Solution | None = None,
-    points: ArrayLike | None = None,
-    cotangent: ArrayLike = 1.0,
-    *,
-    bead: Bead | Mapping[str, Any] | None = None,
+    scene: _Subject, drive: _Drive = None, points: _Points = None, cotangent: ArrayLike = 1.0, *, bead: _Bead = None
 ) -> Gradient:
     """Compute the force of sound in N on a sphere at points, without its weight, and its gradients.
 
@@ -266,12 +244,7 @@ def force(
 
 
 def stiffness(
-    scene: _Subject,
-    drive: ArrayLike | Solution | None = None,
-    points: ArrayLike | None = None,
-    cotangent: ArrayLike = 1.0,
-    *,
-    bead: Bead | Mapping[str, Any] | None = None,
+    scene: _Subject, drive: _Drive = None, points: _Points = None, cotangent: ArrayLike = 1.0, *, bead: _Bead = None
 ) -> Gradient:
     """Compute the stiffness -dF/ds in N/m of a small sphere at points along x, y and z, and its gradients.
 
@@ -312,11 +285,7 @@ def _gradient(*call: Any) -> Gradient:
 
 
 def run(
-    quantity: str,
-    scene: _Subject,
-    given: Mapping[str, Any],
-    bead: Bead | Mapping[str, Any] | None,
-    cotangent: ArrayLike | None = None,
+    quantity: str, scene: _Subject, given: Mapping[str, Any], bead: _Bead, cotangent: ArrayLike | None = None
 ) -> tuple[Any, ...]:
     """Return the value of a quantity and, with a cotangent, its gradients.
 

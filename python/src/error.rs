@@ -1,5 +1,7 @@
 //! `midair.SceneError` and `midair.SceneWarning`.
 
+use std::ops::Deref;
+
 use midair::solvers::Remark;
 use midair::{ErrorCode, Notice};
 use pyo3::exceptions::PyMemoryError;
@@ -129,13 +131,7 @@ pub(crate) fn error_of(exception: &Bound<'_, PyAny>) -> PyResult<midair::Error> 
 /// midair.SceneError
 #[pyfunction]
 #[pyo3(signature = (item, words, cure, code="invalid"))]
-pub(crate) fn stated(
-    py: Python<'_>,
-    #[pyo3(from_py_with = lossy)] item: String,
-    #[pyo3(from_py_with = lossy)] words: String,
-    #[pyo3(from_py_with = lossy)] cure: String,
-    code: &str,
-) -> PyResult<Py<PyAny>> {
+pub(crate) fn stated(py: Python<'_>, item: Lossy, words: Lossy, cure: Lossy, code: &str) -> PyResult<Py<PyAny>> {
     let code = ErrorCode::of(code).ok_or_else(|| invalid("code", code, "give one of docs/errors.md"))?;
     let (verb, value) = if item.is_empty() { ("", &*words) } else { words.split_once(' ').unwrap_or((&words, "")) };
     let error = midair::Error::of(Notice::new(code, &*item, value, one_line(&cure)).verb(verb));
@@ -148,13 +144,8 @@ pub(crate) fn stated(
 /// -------
 /// midair.SceneError
 #[pyfunction]
-pub(crate) fn unknown_name(
-    py: Python<'_>,
-    kind: &str,
-    #[pyo3(from_py_with = lossy)] name: String,
-    known: Vec<String>,
-) -> Py<PyAny> {
-    refused(midair::Error::unknown(kind, name, known.iter().map(String::as_str))).into_value(py).into_any()
+pub(crate) fn unknown_name(py: Python<'_>, kind: &str, name: Lossy, known: Vec<String>) -> Py<PyAny> {
+    refused(midair::Error::unknown(kind, &*name, known.iter().map(String::as_str))).into_value(py).into_any()
 }
 
 /// Returns the same SceneError about another item, with another place, inside of a place, or with another index. The name
@@ -190,9 +181,23 @@ pub(crate) fn restated(
     Ok(refused(changed).into_value(error.py()).into_any())
 }
 
-/// Reads a text that may contain a user's: halves of surrogate pairs, which Rust's texts cannot contain, are replaced.
-pub(crate) fn lossy(given: &Bound<'_, PyAny>) -> PyResult<String> {
-    Ok(given.cast::<PyString>()?.to_string_lossy().into_owned())
+/// A text that may contain a user's: halves of surrogate pairs, which Rust's texts cannot contain, are replaced.
+pub(crate) struct Lossy(String);
+
+impl FromPyObject<'_, '_> for Lossy {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, '_, PyAny>) -> PyResult<Self> {
+        Ok(Self(given.cast::<PyString>()?.to_string_lossy().into_owned()))
+    }
+}
+
+impl Deref for Lossy {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        &self.0
+    }
 }
 
 fn one_line(text: &str) -> String {

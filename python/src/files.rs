@@ -93,8 +93,8 @@ fn keys(py: Python<'_>, all: impl IntoIterator<Item = (&'static str, &'static [K
 
 /// Returns the tables in a sweep file's text; `name` is its name in errors.
 #[pyfunction]
-pub(crate) fn read_sweep<'py>(py: Python<'py>, text: &[u8], name: &str) -> PyResult<Bound<'py, PyAny>> {
-    let tables = files::read_sweep(text, Format::of_document(name, text), Source { name, folder: None });
+pub(crate) fn read_sweep<'py>(py: Python<'py>, text: &[u8], name: Lossy) -> PyResult<Bound<'py, PyAny>> {
+    let tables = files::read_sweep(text, Format::of_document(&name, text), Source { name: &name, folder: None });
     node::object(py, &tables.map_err(refused)?)
 }
 
@@ -108,9 +108,9 @@ pub(crate) fn read_sweep<'py>(py: Python<'py>, text: &[u8], name: &str) -> PyRes
 /// -------
 /// midair.SceneError or None
 #[pyfunction]
-pub(crate) fn placed(text: &[u8], name: &str, error: &Bound<'_, PyAny>) -> PyResult<Option<Py<PyAny>>> {
-    let source = Source { name, folder: None };
-    let fault = files::placed(text, Format::of_document(name, text), source, &error_of(error)?);
+pub(crate) fn placed(text: &[u8], name: Lossy, error: &Bound<'_, PyAny>) -> PyResult<Option<Py<PyAny>>> {
+    let source = Source { name: &name, folder: None };
+    let fault = files::placed(text, Format::of_document(&name, text), source, &error_of(error)?);
     Ok(fault.map(|fault| refused(fault).into_value(error.py()).into_any()))
 }
 
@@ -153,6 +153,6 @@ pub(crate) fn drive_to_csv(drive: &Bound<'_, PyAny>, positions: Argument<'_, '_>
 
 /// Reads the drive (N,) in a CSV of `drive_to_csv`; `name` is the file's name in errors.
 #[pyfunction]
-pub(crate) fn drive_from_csv<'py>(py: Python<'py>, text: &[u8], name: &str) -> PyResult<Array1<'py, Complex32>> {
-    Ok(give::list(py, files::read_drive(text, name).map_err(refused)?))
+pub(crate) fn drive_from_csv<'py>(py: Python<'py>, text: &[u8], name: Lossy) -> PyResult<Array1<'py, Complex32>> {
+    Ok(give::list(py, files::read_drive(text, &name).map_err(refused)?))
 }

@@ -18,8 +18,8 @@ pub(crate) fn preset_name(name: &str) -> PyResult<&'static str> {
 
 /// Returns the known name that was probably meant, or "".
 #[pyfunction]
-pub(crate) fn nearest(#[pyo3(from_py_with = lossy)] name: String, known: Vec<String>) -> String {
-    Error::unknown("", name, known.iter().map(String::as_str)).other.clone()
+pub(crate) fn nearest(name: Lossy, known: Vec<String>) -> String {
+    Error::unknown("", &*name, known.iter().map(String::as_str)).other.clone()
 }
 
 /// Makes the error about an unknown keyword of `Solver.__call__`. The Python package wraps all other functions for this

@@ -10,7 +10,7 @@ use pyo3::exceptions::{PyException, PyRecursionError};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyBool, PyFloat, PyInt, PyList, PyTuple};
 
-use crate::error::{coded, invalid, lossy};
+use crate::error::{Lossy, coded, invalid};
 use crate::give;
 
 /// Largest number of dimensions of an argument: (B, M, 3).
@@ -152,7 +152,7 @@ fn as_array<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
 #[pyfunction]
 #[pyo3(name = "numbers", signature = (item, value, shapes, cure, *, kinds=REAL, least=None, most=None, copy=true))]
 pub(crate) fn checked<'py>(
-    #[pyo3(from_py_with = lossy)] item: String,
+    item: Lossy,
     value: &Bound<'py, PyAny>,
     shapes: Option<Vec<Vec<isize>>>,
     cure: &str,

@@ -11,7 +11,7 @@ pub(crate) use pyo3::prelude::*;
 pub(crate) use pyo3::types::{IntoPyDict, PyDict, PyString, PyTuple};
 
 pub(crate) use crate::ctrl_c::attend;
-pub(crate) use crate::error::{invalid, lossy, refused, warn_all};
+pub(crate) use crate::error::{Lossy, invalid, refused, warn_all};
 pub(crate) use crate::getters::{bits, getters, hashed};
 pub(crate) use crate::give::{Array1, Array2, Array3};
 pub(crate) use crate::numbers::quoted;

@@ -401,9 +401,9 @@ impl Scene {
 
     /// Returns a warning about places (K, 3) in m that are so far from the array that their unit is probably wrong, or
     /// None.
-    fn _far(&self, name: &str, places: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
-        let places = read::vectors(name, places)?;
-        let named = |k: usize| if places.len() == 1 { name.to_owned() } else { format!("{name}[{k}]") };
+    fn _far(&self, name: Lossy, places: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
+        let places = read::vectors(&name, places)?;
+        let named = |k: usize| if places.len() == 1 { name.to_owned() } else { format!("{}[{k}]", &*name) };
         Ok(self.inner.doubt_places(&places, named).map(|doubt| doubt.to_string()))
     }
 

@@ -13,6 +13,7 @@ KNOWN = {
     "f64": "float",
     "str": "str",
     "String": "str",
+    "Lossy": "str",
     "PathBuf": "pathlib.Path",
     "PyBytes": "bytes",
     "PyComplex": "complex",

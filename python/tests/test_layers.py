@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -73,9 +74,12 @@ SHORT = {
 PUBLIC = ("midair", "midair.grad", "midair.jax", "midair.torch", "midair.path", "midair.shape")
 
 
+parsed = cache(ast.parse)
+
+
 def imported(text: str, package: str) -> Iterator[str]:
     """Yields the dotted names that a module imports anywhere in its file."""
-    for node in ast.walk(ast.parse(text)):
+    for node in ast.walk(parsed(text)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -87,7 +91,7 @@ def imported(text: str, package: str) -> Iterator[str]:
 
 def named(text: str, package: str) -> Iterator[str]:
     """Yields the texts that may name a module: `midair.x`, `_x` for `midair._x`, `.x` beside the module."""
-    for node in ast.walk(ast.parse(text)):
+    for node in ast.walk(parsed(text)):
         if not isinstance(node, ast.Constant) or not isinstance(node.value, str):
             continue
         name = node.value.lstrip(".")
@@ -101,7 +105,7 @@ def named(text: str, package: str) -> Iterator[str]:
 
 def computes(text: str) -> bool:
     """Returns whether a module imports by a name that is no plain text."""
-    nodes = list(ast.walk(ast.parse(text)))
+    nodes = list(ast.walk(parsed(text)))
     importers = {"__import__"} | {
         alias.asname or alias.name
         for node in nodes
@@ -233,7 +237,7 @@ def test_public_modules_show_public_names_only(name: str) -> None:
 
 
 def test_names_that_are_loaded_later_are_those_that_type_checkers_see() -> None:
-    stub = ast.parse(PACKAGE.joinpath("__init__.pyi").read_text(encoding="utf-8"))
+    stub = parsed(PACKAGE.joinpath("__init__.pyi").read_text(encoding="utf-8"))
     imports = [node for node in ast.walk(stub) if isinstance(node, ast.ImportFrom) and node.level]
     seen = {alias.asname for node in imports for alias in node.names}
     assert seen | {"__version__"} == set(midair.__all__) | {"__version__"}

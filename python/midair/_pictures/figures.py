@@ -235,11 +235,10 @@ def dots(ax: Axes, values: Mapping[str, float], label: str, marked: tuple[str, .
     finite = [value for value in (*values.values(), line) if value is not None and np.isfinite(value)]
     low, high = (min(finite), max(finite)) if finite else (0.0, 1.0)
     for row, (name, value) in enumerate(values.items()):
-        colour = "tab:orange" if name in marked else "tab:blue"
-        at = value if np.isfinite(value) else low
-        ax.plot(at, row, "o" if np.isfinite(value) else "<", color=colour)
-        text = f"{value:.1f}" if np.isfinite(value) else "none"
-        ax.annotate(text, (at, row), xytext=(0, 6), textcoords="offset points", ha="center", fontsize="small")
+        none = not np.isfinite(value)
+        at = low if none else value
+        ax.plot(at, row, "<" if none else "o", color="tab:orange" if name in marked else "tab:blue")
+        ax.text(at, row - 0.2, "none" if none else f"{value:.1f}", ha="center", va="bottom", fontsize="small")
     if line is not None:
         ax.axvline(line, color="black", linewidth=0.9)
     spare = max(0.15 * (high - low), 1.0)

@@ -132,12 +132,13 @@ class Haptic(Facts):
         from .._pictures.figures import dots, row
 
         figure, axes = row(panels, get_args(Panel), ax, size, width=4.4, height=3.4)
-        if (one := axes.get("skin")) is not None:
-            self.skin.plot(ax=one, panels="pressure" if self.aim == "pressure" else "motion")
-        if (one := axes.get("techniques")) is not None:
-            where = {"strong": "mean strength / dB above threshold", "even": "least strength / dB above threshold"}
-            levels = {self.technique: self._reached, **self.standards}
-            dots(one, levels, where.get(self.aim, "pressure / dB re 1 Pa"), (self.technique,))
+        for name, one in axes.items():
+            if name == "skin":
+                self.skin.plot(ax=one, panels="pressure" if self.aim == "pressure" else "motion")
+                continue
+            strength = f"{'least' if self.aim == 'even' else 'mean'} strength / dB above threshold"
+            label = "pressure / dB re 1 Pa" if self.aim == "pressure" else strength
+            dots(one, {self.technique: self._reached, **self.standards}, label, (self.technique,))
         return figure
 
     def _rows(self) -> list[tuple[str, str]]:

@@ -90,20 +90,14 @@ pub(crate) const NANO16: Format = Format {
 pub(crate) const NANO: Format = Format {
     name: "nano",
     summary: "Ultraino's Arduino Nano of 8 channels",
-    source: SOURCE,
     channels: 8,
-    most_boards: 1,
     steps: Steps { phases: 24, levels: Levels::OnOff },
-    link: ARDUINO,
-    frequency: 40e3,
-    steady: f64::INFINITY,
     layout: Layout::Grid(4, 2, 10e-3),
-    order: |transducer| transducer,
-    late: |_| (0, 0.0),
     size: |_| 49,
     encode: |_, code, frame| write_nano::<8>(24, code, frame),
     decode: |_, frame, put| read_nano::<8>(24, frame, put),
     silence: thrice,
+    ..NANO16
 };
 
 /// Writes the frame of a Nano. Its pulses are half a period long, so level 1 becomes `ticks` / 2.

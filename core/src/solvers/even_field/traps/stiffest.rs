@@ -232,17 +232,14 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
 
 /// Returns the drive of plain foci at all traps, of full amplitude: the phase of each transducer is that of sum_j p_j*.
 fn focused(traps: &Stiffness, problem: &Problem, transducers: usize) -> Vec<Complex32> {
-    let pressure = [core::array::from_fn(|term| if term == 0 { 1.0 } else { 0.0 }), [0.0; TERMS]];
-    let mut drive: Vec<Complex32> = (0..transducers)
-        .map(|i| {
-            let [re, im] = (0..traps.chosen()[0].len()).fold([0.0; 2], |[re, im], j| {
-                let [x, y] = traps.correlated(i, j, &pressure);
-                [re + x, im + y]
-            });
-            let size = math::hypot(re, im).max(f64::MIN_POSITIVE);
-            Complex32::new((re / size) as f32, (-im / size) as f32)
-        })
-        .collect();
+    let pressure = [core::array::from_fn(|term| f32::from(u8::from(term == 0))), [0.0; TERMS]];
+    let focus = |i| {
+        let parts = (0..traps.chosen()[0].len()).map(|j| traps.correlated(i, j, &pressure));
+        let [re, im] = parts.fold([0.0; 2], |[re, im], [x, y]| [re + x, im - y]);
+        let size = math::hypot(re, im).max(f64::MIN_POSITIVE);
+        Complex32::new((re / size) as f32, (im / size) as f32)
+    };
+    let mut drive: Vec<Complex32> = (0..transducers).map(focus).collect();
     if let Some(quantization) = problem.quantization() {
         quantization.grid().round(InstructionSet::best(), 1.0, [1.0; 2], &mut drive);
     }
