@@ -218,10 +218,10 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
         on_grid::bring(set, (&traps, &fixed, unit), quantization, (&[], f32::INFINITY), &mut drive);
     }
     // Nodes are at fixed distances from a reflector: a bead which is drawn to its point may lose most of the force.
-    let held = |drive: &[Complex32]| firmness(problem.propagation(), problem.setup().bead, traps.chosen()[0], drive);
-    let [found, even] = [&drive, &foci.drives(transducers, work)].map(|drive| held(drive));
+    let firm = |drive: &[Complex32]| firmness(problem.propagation(), problem.setup().bead, traps.chosen()[0], drive);
+    let [found, even] = [&drive, &foci.drives(transducers, work)].map(|drive| firm(drive));
     let plain = if traps.chosen()[1].is_empty() { focused(&traps, problem, transducers) } else { vec![] };
-    if !plain.is_empty() && held(&plain) > found.max(even) {
+    if !plain.is_empty() && firm(&plain) > found.max(even) {
         drive = plain;
     } else if !improved || found < even {
         return Ok(false);
