@@ -11,6 +11,7 @@ from mypy import api
 import midair
 
 ROOT = Path(__file__).parents[2]
+PACKAGE = Path(midair.__file__).parent
 
 #: Calls: a type checker must reject the lines with `# wrong` and accept all others.
 CALLS = """
@@ -57,7 +58,7 @@ midair.solve_batch(array, points, solver="lm", phases=16)  # wrong: another solv
 
 
 def test_the_stubs_of_keywords_are_what_the_core_declares() -> None:
-    stub = ast.parse((ROOT / "python" / "midair" / "_keywords.pyi").read_text("utf-8"))
+    stub = ast.parse((PACKAGE / "_keywords.pyi").read_text("utf-8"))
     classes = {one.name: one.body for one in stub.body if isinstance(one, ast.ClassDef)}
 
     def declared(name: str) -> dict[str, tuple[str, str]]:
@@ -87,7 +88,7 @@ def test_the_stubs_of_keywords_are_what_the_core_declares() -> None:
 
 
 def test_the_stubs_of_the_extension_have_its_docstrings() -> None:
-    stub = ast.parse((ROOT / "python" / "midair" / "_midair.pyi").read_text("utf-8"))
+    stub = ast.parse((PACKAGE / "_midair.pyi").read_text("utf-8"))
     documented = {one.name: ast.get_docstring(one) for one in stub.body if hasattr(one, "name")}
     for name in ("Gorkov", "solvers", "Rest", "Metrics"):
         assert documented[name] == inspect.getdoc(getattr(midair._midair, name))

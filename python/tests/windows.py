@@ -7,8 +7,8 @@ examples and Unity's functions), core (its tests), quick (the package's tests th
 package (all tests of the package, file by file; WORDS="..." are other arguments of pytest) and example
 (README's first program). PROFILE=release is that of `make release`: it optimises, and installs only the
 packages that midair needs.
-Debian's mingw compiles, with the source of Rust's standard library. A Python for Windows (Maven) and its
-packages (PyPI) are downloaded once into out/windows. Nothing is installed in the system.
+Debian's mingw links. rustup's compiler gets its target for Windows; if rustup cannot download it, Debian's compiles
+the standard library. A Python for Windows (Maven) and its packages (PyPI) are downloaded once into out/windows.
 """
 
 import os
@@ -41,10 +41,26 @@ WINE = Path("/usr/lib/wine/wine64")
 SERVER = Path("/usr/lib/wine/wineserver64")
 #: Wine's own libraries for 64 bits.
 DLLS = Path("/usr/lib/x86_64-linux-gnu/wine/x86_64-windows")
+
+
+def has_target() -> bool:
+    """Returns whether rustup's compiler has the target, after an attempt to add it."""
+    with suppress(OSError, subprocess.TimeoutExpired):
+        return not subprocess.run(["rustup", "target", "add", TARGET], capture_output=True, timeout=120).returncode
+    return False
+
+
+#: Debian's compiler, which builds the standard library: -Zbuild-std needs RUSTC_BOOTSTRAP with a stable compiler.
+DEBIAN = {
+    "RUSTC_BOOTSTRAP": "1",
+    "RUSTC": "/usr/bin/rustc",
+    "CARGO": "/usr/bin/cargo",
+    "CARGO_UNSTABLE_BUILD_STD": "std,panic_unwind,panic_abort,test",
+}
+RUST = {} if has_target() else DEBIAN
+CARGO = RUST.get("CARGO", "cargo")
 NEEDS = {
-    "/usr/bin/rustc": "rustc-web",
-    "/usr/bin/cargo": "cargo-web",
-    "/usr/lib/rustlib/src/rust/library/Cargo.lock": "rust-web-src",
+    **({Path(place): f"{Path(place).name}-web rust-web-src" for place in (CARGO, RUST["RUSTC"])} if RUST else {}),
     f"/usr/bin/{TOOLS}g++": "g++-mingw-w64-x86-64",
     "/usr/bin/mvn": "maven",
     WINE: "wine64 wine",
@@ -76,7 +92,7 @@ PYTEST = (WINE, BIN / "python.exe", "-m", "pytest", "-q", "-p", "no:cacheprovide
 HANGS = 1800
 #: The files of the package's tests, and the number of processes for those that are not slow.
 FILES = sorted({file.name for file in Path(__file__).parent.glob("test_*.py")} - {*LINUX})
-PROCESSES = 12
+PROCESSES = 8
 
 RELEASE = os.environ.get("PROFILE") == "release"
 PROFILE = ("--release",) if RELEASE else ()
@@ -103,11 +119,7 @@ ENVIRONMENT = {key: value for key, value in os.environ.items() if key != "RUSTFL
     # Wine's own programs, which serve all others, find only its own ucrtbase.dll.
     "WINEDLLOVERRIDES": "ucrtbase=n,b;ucrtwine=n,b",
     "WINEPATH": "Z:" + str(BIN).replace("/", "\\"),
-    # -Zbuild-std needs these variables with a stable compiler; a rustup toolchain must not be used instead.
-    "RUSTC_BOOTSTRAP": "1",
-    "RUSTC": "/usr/bin/rustc",
-    "CARGO": "/usr/bin/cargo",
-    "CARGO_UNSTABLE_BUILD_STD": "std,panic_unwind,panic_abort,test",
+    **RUST,
     "CARGO_BUILD_TARGET": TARGET,
     "CARGO_TARGET_DIR": str(HOME / "target"),
     "CARGO_TARGET_X86_64_PC_WINDOWS_GNU_LINKER": f"{TOOLS}gcc",
@@ -260,7 +272,7 @@ def wheel() -> None:
 
 def c() -> None:
     """Builds the C library, looks in it for the functions that Unity calls, and runs the examples with it."""
-    run("/usr/bin/cargo", "build", *PROFILE, "-p", "midair-capi", *CORE)
+    run(CARGO, "build", *PROFILE, "-p", "midair-capi", *CORE)
     # Beside ucrtbase.dll, which Wine looks for in the folder of the program.
     dll = shutil.copy(HOME / "target" / TARGET / ("release" if RELEASE else "debug") / "midair.dll", BIN)
     scripts = (ROOT / "unity" / "Runtime" / "MidairLibrary.cs").read_text("utf-8")
@@ -291,7 +303,7 @@ def example() -> None:
 def core() -> None:
     """Runs the core's tests."""
     # With Wine's own ucrtbase.dll: programs in other folders than Python's do not find the one that was made.
-    run("/usr/bin/cargo", "test", "--quiet", *CORE, "--", "--include-ignored", WINEDLLOVERRIDES="ucrtbase=b")
+    run(CARGO, "test", "--quiet", *CORE, "--", "--include-ignored", WINEDLLOVERRIDES="ucrtbase=b")
 
 
 def quick() -> None:
@@ -378,6 +390,15 @@ def end(act: str, number: int) -> float:
 PARTS = {part.__name__: part for part in (wheel, board, c, core, quick, package, example)}
 
 
+def lane(*parts: str) -> None:
+    """Runs parts, one after the other."""
+    for name in parts:
+        print(f"== {name}", flush=True)
+        begin = time.monotonic()
+        PARTS[name]()
+        print(f"-- {name}: {time.monotonic() - begin:.0f} s", flush=True)
+
+
 def main() -> None:
     missing = " ".join(package for place, package in NEEDS.items() if not Path(place).exists())
     if missing:
@@ -388,12 +409,14 @@ def main() -> None:
     try:
         quiet = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
         subprocess.run([WINE, "cmd", "/c", "exit"], env=ENVIRONMENT, **quiet)
-        for name in sys.argv[1:] or [*PARTS][:-2]:
-            print(f"== {name}", flush=True)
-            begin, before = time.monotonic(), sum(os.times()[:4])
-            PARTS[name]()
-            used = sum(os.times()[:4]) - before
-            print(f"-- {time.monotonic() - begin:.0f} s, {used:.0f} s of CPU", flush=True)
+        if sys.argv[1:]:
+            lane(*sys.argv[1:])
+        else:
+            lane("wheel")
+            # Ends of boards are mostly waiting, and the tests of the package rarely keep two cores busy.
+            with ThreadPoolExecutor(2) as pool:
+                for each in [pool.submit(lane, "board", "c", "core"), pool.submit(lane, "quick")]:
+                    each.result()
     finally:
         subprocess.run([SERVER, "-k"], env=ENVIRONMENT)
 
