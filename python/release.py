@@ -125,7 +125,7 @@ def build() -> None:
 
 
 def first_lane(paged: threading.Event) -> None:
-    """Builds the studio, the package for Node, the wheel for this computer and the site."""
+    """Builds the studio, the package for Node, the wheels for Linux and the site."""
     try:
         say("studio and package for Node (5 min)")
         run("studio/door/build.sh", env=built_in("studio"))
@@ -141,10 +141,11 @@ def first_lane(paged: threading.Event) -> None:
         zipfile.ZipFile(linux).extractall(name)
         run("make", "site", env={**os.environ, "PYTHONPATH": name})
     shutil.make_archive(str(OUT / f"midair-{VERSION}-site"), "zip", ROOT / "out" / "site")
+    wheel("aarch64-unknown-linux-gnu")
 
 
 def second_lane(paged: threading.Event) -> None:
-    """Builds the C libraries, Unity's package, sources for pip and Rust, and the wheels for other systems."""
+    """Builds the C libraries, Unity's package, the wheel for Windows and the sources, and tries the sources."""
     say("C library, crate, source distribution")
     run("cargo", "build", "--release", "--package", "midair-capi", env=built_in("capi"))
     package = ("cargo", "package", "--quiet", "--no-verify", "--allow-dirty", "--package", "midair")
@@ -161,7 +162,7 @@ def second_lane(paged: threading.Event) -> None:
     else:
         for made in (WINDOWS / "dist").glob("*.whl"):
             shutil.copy(made, OUT)
-    wheel("aarch64-unknown-linux-gnu")
+    try_sources()
 
 
 def windows(*parts: str) -> str:
@@ -380,7 +381,7 @@ def try_sources() -> None:
 
 def main() -> None:
     build()
-    both(try_wheels, try_sources)
+    try_wheels()
     sums = [f"{hashlib.sha256(file.read_bytes()).hexdigest()}  {file.name}\n" for file in sorted(OUT.iterdir())]
     (OUT / "SHA256SUMS").write_text("".join(sums), "utf-8")
     say("done: docs/publishing.md says what to upload, in which order")
