@@ -45,10 +45,13 @@ def watcher_of(guard: int) -> int:
 
     Other tests run guards and watchers with the same command line at the same time.
     """
-    for path in Path("/proc").glob("[0-9]*"):
-        with suppress(OSError):
-            if int(path.name) != guard and (pipes := pipes_of(path)) and pipes <= pipes_of(Path(f"/proc/{guard}")):
-                return int(path.name)
+    # A process that was begun a moment ago has other pipes, too.
+    for _ in range(100):
+        for path in Path("/proc").glob("[0-9]*"):
+            with suppress(OSError):
+                if int(path.name) != guard and (pipes := pipes_of(path)) and pipes <= pipes_of(Path(f"/proc/{guard}")):
+                    return int(path.name)
+        time.sleep(0.05)
     raise AssertionError("no watcher")
 
 
