@@ -57,10 +57,15 @@ DEBIAN = {
     "CARGO": "/usr/bin/cargo",
     "CARGO_UNSTABLE_BUILD_STD": "std,panic_unwind,panic_abort,test",
 }
+DEBIANS = {
+    "/usr/bin/rustc": "rustc-web",
+    "/usr/bin/cargo": "cargo-web",
+    "/usr/lib/rustlib/src/rust/library/Cargo.lock": "rust-web-src",
+}
 RUST = {} if has_target() else DEBIAN
 CARGO = RUST.get("CARGO", "cargo")
 NEEDS = {
-    **({Path(place): f"{Path(place).name}-web rust-web-src" for place in (CARGO, RUST["RUSTC"])} if RUST else {}),
+    **(DEBIANS if RUST else {}),
     f"/usr/bin/{TOOLS}g++": "g++-mingw-w64-x86-64",
     "/usr/bin/mvn": "maven",
     WINE: "wine64 wine",

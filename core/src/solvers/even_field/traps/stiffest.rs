@@ -211,39 +211,27 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
             }
         }
     }
-    let improved = begun.of(&descent.wave) < before;
+    if begun.of(&descent.wave) >= before {
+        return Ok(false);
+    }
     let mut drive = descent.wave.drives(transducers, work);
+    if holds_less(problem, &traps, [&drive, &foci.drives(transducers, work)]) {
+        return Ok(false);
+    }
     if let Some(quantization) = problem.quantization() {
         let unit = Softest::new((&traps, &fixed), planes(&descent.wave), STAGES[1]).unit;
         on_grid::bring(set, (&traps, &fixed, unit), quantization, (&[], f32::INFINITY), &mut drive);
-    }
-    // Nodes are at fixed distances from a reflector: a bead which is drawn to its point may lose most of the force.
-    let firm = |drive: &[Complex32]| firmness(problem.propagation(), problem.setup().bead, traps.chosen()[0], drive);
-    let [found, even] = [&drive, &foci.drives(transducers, work)].map(|drive| firm(drive));
-    let plain = if traps.chosen()[1].is_empty() { focused(&traps, problem, transducers) } else { vec![] };
-    if !plain.is_empty() && firm(&plain) > found.max(even) {
-        drive = plain;
-    } else if !improved || found < even {
-        return Ok(false);
     }
     foci.play(run.rows, drive.into_iter());
     Ok(true)
 }
 
-/// Returns the drive of plain foci at all traps, of full amplitude: the phase of each transducer is that of sum_j p_j*.
-fn focused(traps: &Stiffness, problem: &Problem, transducers: usize) -> Vec<Complex32> {
-    let pressure = [core::array::from_fn(|term| f32::from(u8::from(term == 0))), [0.0; TERMS]];
-    let focus = |i| {
-        let parts = (0..traps.chosen()[0].len()).map(|j| traps.correlated(i, j, &pressure));
-        let [re, im] = parts.fold([0.0; 2], |[re, im], [x, y]| [re + x, im - y]);
-        let size = math::hypot(re, im).max(f64::MIN_POSITIVE);
-        Complex32::new((re / size) as f32, (im / size) as f32)
-    };
-    let mut drive: Vec<Complex32> = (0..transducers).map(focus).collect();
-    if let Some(quantization) = problem.quantization() {
-        quantization.grid().round(InstructionSet::best(), 1.0, [1.0; 2], &mut drive);
-    }
-    drive
+/// Whether the first drive of one board before a reflector holds its beads less firmly than the second. Nodes are at fixed
+/// distances from a reflector, so that a bead which is drawn to its point may lose most of the force.
+fn holds_less(problem: &Problem, traps: &Stiffness, drives: [&[Complex32]; 2]) -> bool {
+    let (propagation, bead) = (problem.propagation(), problem.setup().bead);
+    let [first, second] = drives.map(|drive| firmness(propagation, bead, traps.chosen()[0], drive));
+    first < second
 }
 
 pub(super) fn planes<'a>(wave: &'a Wave) -> [&'a [f32]; 2] {
