@@ -13,7 +13,7 @@ export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
 CORE := -p midair --no-default-features --features scene-file,parallel
 # Beside the Python extension, the core's dependencies have the extension's features: both share one compiled core.
-SHARED := -p midair -p midair-python --no-default-features --features midair/scene-file,midair/parallel
+SHARED := -p midair -p midair-python -p midair-fuzz --no-default-features --features midair/scene-file,midair/parallel
 SHOWN := naive,greedy,uniform
 BUILT := $(or $(CARGO_TARGET_DIR),target)/release
 PREFIX := /usr/local
@@ -89,10 +89,8 @@ outlook:
 test-rust: ## The core: tests, doctests, each feature set, no_std
 	$(call step,core: tests are compiled (5 min),$(CARGO) test $(SHARED) --no-run)
 	$(call step,core: tests run (2 min),$(CARGO) test --quiet $(SHARED) -- --include-ignored)
-	$(call step,core: without features (5 s),$(CARGO) check -p midair --no-default-features)
 	$(call step,core: feature std (5 s),$(CARGO) check -p midair --no-default-features --features std)
 	$(call step,core: feature parallel (5 s),$(CARGO) check -p midair --no-default-features --features parallel)
-	$(call step,core: seeds and past finds of fuzzing pass (1 min),$(CARGO) test --quiet --manifest-path fuzz/Cargo.toml --no-default-features)
 	$(call step,core: a program without std (20 s),$(CARGO) run --quiet --manifest-path core/tests/no_std/Cargo.toml)
 
 test-python: .venv/extension ## The package: tests, stubs, types

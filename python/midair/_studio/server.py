@@ -1,6 +1,7 @@
 """Web server for the studio page and for a board that it plays; only browsers on this machine have access."""
 
 import json
+import os
 import re
 import sys
 import threading
@@ -27,6 +28,7 @@ TYPES = {
     ".wasm": "application/wasm",
     ".svg": "image/svg+xml",
     ".png": "image/png",
+    ".jpeg": "image/jpeg",
     ".bin": "application/octet-stream",
 }
 
@@ -108,6 +110,8 @@ class Server(ThreadingHTTPServer):
 
     daemon_threads = True
     request_queue_size = 64
+    # On Windows a second server could take the port with it.
+    allow_reuse_address = os.name != "nt"
 
     def __init__(
         self, scene: str | None = None, port: int = 0, folder: Path = BUILT, board: PagesBoard | None = None
