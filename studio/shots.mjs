@@ -1,5 +1,6 @@
 // Takes screenshots of the page for inspection: node shots.mjs FOLDER [all]. Takes each level in wide, medium and narrow
-// windows, dark and light. With `all` also a huge window, Japanese, 64 points, a path, and each gallery scene at each level.
+// windows, dark and light, and the posters in src/app/, which the page shows until it has drawn its first view. With `all`
+// also a huge window, Japanese, 64 points, a path, and each gallery scene at each level.
 import { mkdir } from "node:fs/promises";
 
 import { withSite } from "./with_site.mjs";
@@ -36,16 +37,17 @@ async function play(page) {
 }
 
 await withSite(async ({ browser, url, visit }) => {
-  async function shoot(name, options, act) {
+  async function shoot(name, options, act, kind = { type: "png" }) {
     const { page, context, complaints } = await visit(browser, url, options);
     await act?.(page);
     await page.evaluate(() => window.midair.settled());
     await page.waitForTimeout(600);
-    await page.screenshot({ path: `${folder}/${name}.png`, timeout: 150_000 });
+    await page.screenshot({ ...kind, path: `${folder}/${name}.${kind.type}`, timeout: 150_000 });
     if (complaints.length) console.log(name, complaints);
     await context.close();
   }
 
+  for (const colorScheme of themes) await shoot(`poster-${colorScheme}`, { viewport: sizes.wide, colorScheme, deviceScaleFactor: 1 / 3 }, undefined, { type: "jpeg", quality: 50 });
   for (const [name, options] of manners) {
     for (const level of ["play", "compare", "engineer"]) await shoot(`${name}-${level}`, options, (page) => page.evaluate((level) => window.midair.set({ level }), level));
     await shoot(`${name}-gallery`, options, choose);

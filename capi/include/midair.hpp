@@ -24,9 +24,12 @@ using Complex = std::complex<float>;
 /// An error: one line that names the item, its value and the cure.
 class Error : public std::runtime_error {
 public:
-    Error(midair_result result, const std::string &message) : std::runtime_error(message), result(result) {}
+    Error(midair_result result, const std::string &message, const std::string &code = "invalid")
+        : std::runtime_error(message), result(result), code(code) {}
 
     const midair_result result;
+    /// One of docs/errors.md, such as "too-near".
+    const std::string code;
 };
 
 namespace detail {
@@ -36,7 +39,7 @@ template <class Function, class... Arguments> std::string call(Function function
     char message[1024];
     const midair_result result = function(arguments..., message, sizeof message);
     if (result != MIDAIR_RESULT_OK) {
-        throw Error(result, message);
+        throw Error(result, message, midair_last_code());
     }
     return message;
 }

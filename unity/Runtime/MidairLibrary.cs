@@ -10,7 +10,10 @@ namespace Midair
     /// <summary>The error of a rejected call: a line that names the item, its value and the cure.</summary>
     public class MidairException : Exception
     {
-        public MidairException(string line) : base(line) { }
+        public MidairException(string line, string code = "invalid") : base(line) { Code = code; }
+
+        /// <summary>One of docs/errors.md, such as "too-near".</summary>
+        public string Code { get; }
     }
 
     /// <summary>midair_metrics: the quality of a drive.</summary>
@@ -85,6 +88,7 @@ namespace Midair
         internal static readonly UIntPtr Size = (UIntPtr)1024;
 
         [DllImport(Name)] static extern uint midair_abi();
+        [DllImport(Name)] static extern IntPtr midair_last_code();
         [DllImport(Name)] internal static extern int midair_array_board(string kind, out ArrayHandle array, byte[] line, UIntPtr size);
         [DllImport(Name)] internal static extern int midair_array_preset(string name, UIntPtr tilesX, UIntPtr tilesY, out ArrayHandle array, byte[] line, UIntPtr size);
         [DllImport(Name)] internal static extern UIntPtr midair_array_count(ArrayHandle array);
@@ -107,7 +111,7 @@ namespace Midair
         internal static void Check(int result)
         {
             string line = Encoding.UTF8.GetString(Line, 0, Math.Max(Array.IndexOf(Line, (byte)0), 0));
-            if (result != 0) throw new MidairException(line);
+            if (result != 0) throw new MidairException(line, Marshal.PtrToStringAnsi(midair_last_code()));
             foreach (string warning in line.Split(new[] { '\n' }, StringSplitOptions.RemoveEmptyEntries)) Debug.LogWarning(warning);
         }
 

@@ -125,6 +125,14 @@ namespace Midair
             frames();
             gizmo.across = 0;
             for (int frame = 0; frame < 2; frame++) gizmo.Send("OnDrawGizmos");
+            try
+            {
+                Library.Check(Library.midair_array_board("sonicsurfaces", out _, Library.Line, Library.Size));
+            }
+            catch (MidairException error)
+            {
+                Console.WriteLine("code " + error.Code);
+            }
         }
 
         static void Main(string[] words)
