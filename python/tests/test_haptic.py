@@ -150,7 +150,8 @@ def test_the_bound_is_kept_and_a_slow_board_has_its_frames() -> None:
     ("ask", "reported"),
     [
         (lambda: midair.haptic(LINE, ARRAY, rate=0), "rate is 0: give a number above 0"),
-        (lambda: midair.haptic(LINE, ARRAY, rate=1e6), "rate is 1000000.0: give at most 50000 frames"),
+        (lambda: midair.haptic(LINE, ARRAY, rate=1e6), "rate is 1000000.0: give 10 to 50000 frames"),
+        (lambda: midair.haptic(LINE, ARRAY, rate=0.5), "rate is 0.5: give 10 to 50000 frames per second"),
         (lambda: midair.haptic(LINE, ARRAY, rate=1e308), r"rate is 1e\+308: give a number from"),
         (
             lambda: midair.haptic(LINE, ARRAY, rate=4e3, aim="loud"),

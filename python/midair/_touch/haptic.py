@@ -31,8 +31,8 @@ LAPS = 5.0
 #: Initial schedules of the ascent: jumps per period, their frequency in Hz, the length in m they cover.
 JUMPS = ((5, 285.0, 0.03), (2, 285.0, 0.018))
 
-#: Largest rate in frames per second, above every board's: the time of the search grows with the rate.
-FASTEST = 50e3
+#: Least and largest rate in frames per second: two places per lap, and above every board's. The search takes longer beyond.
+RATES = 2 * LAPS, 50e3
 
 #: Largest plausible `beside` in m.
 WIDEST = 0.1
@@ -182,7 +182,7 @@ def haptic(
     array : midair.Array
         The transducers.
     rate : float
-        Frames per second that the board plays.
+        Frames per second that the board plays, 10 to 50,000.
     aim : {"strong", "even", "pressure"}, optional
         "strong": the largest mean strength along the shape; "even": the largest at its weakest place;
         "pressure": the largest steady push, `midair.Skin.pressed`, by foci that move in small steps 5 to 15
@@ -235,9 +235,8 @@ def haptic(
     if not isinstance(array, Array):
         raise TypeError(f"expected a midair.Array second, not {type(array).__qualname__}")
     frames = frame_rate(rate)
-    if frames > FASTEST:
-        cure = f"give at most {FASTEST:g} frames per second, the time of the search grows with it"
-        raise refused("rate", rate, cure)
+    if not RATES[0] <= frames <= RATES[1]:
+        raise refused("rate", rate, f"give {RATES[0]:g} to {RATES[1]:g} frames per second")
     most = math.pi if change is None else bound_of(frames, change, None)
     if word("aim", aim) not in ("strong", "even", "pressure"):
         raise refused("aim", aim, 'give "strong", "even" or "pressure"')
