@@ -223,7 +223,8 @@ class _Drawing:
         if tag not in (*SHAPES, "g", "a", "svg", "symbol", "switch", "use"):
             return
         self.without.update(name for name in ("clip-path", "mask") if own.get(name, "none") != "none")
-        matrix = matrix @ self._transform(own, viewport)
+        if "transform" in own:
+            matrix = matrix @ self._transform(own, viewport)
         if tag in SHAPES and visible:
             empty = {name for name in ("fill", "stroke") if CLEAR.fullmatch(inherited[name])}
             empty |= {name.split("-")[0] for name in inherited if NOTHING.fullmatch(inherited[name])}
@@ -240,7 +241,7 @@ class _Drawing:
             inner = [child for child in inner if "requiredExtensions" not in child.attrib][:1]
         if tag == "use":
             place = [self._length(own.get(axis), viewport[k]) or 0.0 for k, axis in enumerate("xy")]
-            matrix = matrix @ _affine(np.eye(2), place)
+            matrix = matrix @ _affine(np.eye(2), place) if any(place) else matrix
             inner = self._target(own)
             size = {name: own[name] for name in SIZES if name in own}
         for child in inner:
@@ -280,8 +281,6 @@ class _Drawing:
         return found
 
     def _transform(self, own: dict[str, str], viewport: Points) -> Matrix:
-        if "transform" not in own:
-            return np.eye(3)
         text = own["transform"]
         if set(re.findall(r"(\w+)\s*\(", text.lower())) - FUNCTIONS or "%" in text:
             raise refused("path", self._file, f"its transform {shown(text)} is not read, give a matrix")
