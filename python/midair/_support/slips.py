@@ -12,7 +12,7 @@ from importlib import import_module
 from types import FunctionType, MethodDescriptorType, ModuleType
 from typing import Any, cast
 
-from .._midair import SceneError, array_parts, nearest, restated, scene_keys, unknown_name
+from .._midair import SceneError, array_parts, nearest, restated, scene_keys, stated, unknown_name
 
 #: Keywords that the core declares, by the name of the `**` argument that takes them, such as `**parts` of an
 #: array.
@@ -109,6 +109,9 @@ def _guided(function: Callable[..., Any], name: str, signed: Any = None) -> Call
             if slip := _slip(signed or call, name, arguments, keywords, error):
                 raise slip from None
             raise
+        except UnicodeEncodeError as error:
+            # Halves of surrogate pairs, which neither Rust's texts nor names of files can contain.
+            raise stated(f"text {ascii(error.object)[:80]}", "is no Unicode", "give one without surrogates") from None
 
     if _takes_declared(function):
         cast(Any, call).__signature__ = _signature(function)
