@@ -11,8 +11,8 @@ from absurd import ARRAY, CALLS, FOLDER, FRAMES, LINE, PAIR_OF_FOCI, SCENE, SOLU
 from midair._serve.live import Live
 
 ABSURD: list[Any] = [
-    *(None, True, 1j, "x", "\ud800", {"\ud800": 1}, b"x", object(), {}, [], [[]], [[1, 2], [3]], [[None] * 3], [["a", "b", "c"]]),
-    *(1e308, -1e308, 1e-308, 5e-324, 1e-90, 1e90, 2**70, 1e30, float("nan"), float("inf")),
+    *(None, True, 1j, "x", "\ud800", b"x", object(), {}, [], [[]], [[1, 2], [3]], [[None] * 3], [["a", "b", "c"]]),
+    *(1e308, -1e308, 1e-308, 5e-324, 1e-90, 1e90, 2**70, 1e30, float("nan"), float("inf"), {"\ud800": 1}),
     *([[1e308] * 3], [[1e-308] * 3], np.zeros((0, 3)), np.zeros(0), np.zeros((2, 2, 3, 2)), np.array(None)),
 ]
 

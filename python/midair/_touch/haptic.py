@@ -31,7 +31,7 @@ LAPS = 5.0
 #: Initial schedules of the ascent: jumps per period, their frequency in Hz, the length in m they cover.
 JUMPS = ((5, 285.0, 0.03), (2, 285.0, 0.018))
 
-#: Least and largest rate in frames per second: two places per lap, and above every board's. The search takes longer beyond.
+#: Least and largest rate in frames per second: two places per lap, and above every board's.
 RATES = 2 * LAPS, 50e3
 
 #: Largest plausible `beside` in m.
