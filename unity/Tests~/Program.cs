@@ -125,6 +125,10 @@ namespace Midair
             frames();
             gizmo.across = 0;
             for (int frame = 0; frame < 2; frame++) gizmo.Send("OnDrawGizmos");
+        }
+
+        static void Code()
+        {
             try
             {
                 Library.Check(Library.midair_array_board("sonicsurfaces", out _, Library.Line, Library.Size));
@@ -139,6 +143,7 @@ namespace Midair
         {
             if (words[0] == "solve") Solve();
             if (words[0] == "refuse") Refuse();
+            if (words[0] == "code") Code();
             if (words[0] == "play") Play(words[1], words[2]);
             if (words[0] == "hand") Hand(words[1]);
             Log();
