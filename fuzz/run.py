@@ -29,7 +29,7 @@ PYTHON = ("arguments", "functions", "chunks", "sweep_file", "picture", "drawing"
 #: The largest length of an input in bytes: short inputs are faster and find as much.
 LENGTHS = dict.fromkeys(RUST, 1024) | {"positions": 256, "frames": 640} | dict.fromkeys(PYTHON, 4096)
 
-OPTIONS = ["-print_final_stats=1", "-timeout=60", "-rss_limit_mb=4096", "-verbosity=1"]
+OPTIONS = ["-print_final_stats=1", "-timeout=300", "-rss_limit_mb=4096", "-verbosity=1"]
 
 
 def today() -> str:
