@@ -10,7 +10,7 @@ sys.path.append(str(Path(__file__).resolve().parents[2] / "python" / "tests"))
 from absurd import CALLS
 
 #: Arguments whose cost grows with their value, each with the largest value that is cheap.
-COSTS = {"rate": 60.0, "temperature": 100.0, "duration": 0.02, "budget": 50, "seconds": 20.0, "readings_per_transducer": 5}
+COSTS = {"rate": 60, "temperature": 99, "duration": 0.02, "budget": 50, "seconds": 20, "readings_per_transducer": 5}
 
 
 def cheap(name: str, value: Any) -> Any:
