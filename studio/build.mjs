@@ -69,7 +69,7 @@ await cp(`${out}/widget.mjs`, `${shipped}/widget.mjs`);
 
 const kilobytes = async (...files) =>
   ((await Promise.all(files.map(async (file) => gzipSync(await readFile(file), { level: 9 }).length))).reduce((a, b) => a + b) / 1000).toFixed(1);
-const assets = (await readdir(`${out}/site/assets`)).map((name) => `${out}/site/assets/${name}`);
+const assets = (await readdir(`${out}/site/assets`)).filter((name) => !name.endsWith(".jpeg")).map((name) => `${out}/site/assets/${name}`);
 console.log(`page code and style: ${await kilobytes(...assets)} kB gzip`);
 for (const file of ["midair.wasm", "widget.mjs", "studio.html"]) {
   console.log(`${file}: ${await kilobytes(`${out}/${file}`)} kB gzip`);

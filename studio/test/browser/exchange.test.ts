@@ -1,5 +1,5 @@
 // Files, links, exports and error messages of the page; that the page sends nothing to other origins; and its size.
-import { readFile, readdir } from "node:fs/promises";
+import { readFile, readdir, stat } from "node:fs/promises";
 import { gzipSync } from "node:zlib";
 
 import type { Page } from "playwright-core";
@@ -209,10 +209,13 @@ test("nothing leaves the origin, and nothing is complained of", async () => {
   expect(complaints).toEqual([]);
 });
 
-test("page code and style are at most 90 kB", async () => {
-  const files = (await readdir(`${built}/site/assets`)).map((name) => readFile(`${built}/site/assets/${name}`));
+test("page code and style are at most 90 kB, and each poster 16 kB", async () => {
+  const names = await readdir(`${built}/site/assets`);
+  const files = names.filter((name) => !name.endsWith(".jpeg")).map((name) => readFile(`${built}/site/assets/${name}`));
   const sizes = (await Promise.all(files)).map((file) => gzipSync(file, { level: 9 }).length);
   expect(sizes.reduce((a, b) => a + b)).toBeLessThanOrEqual(90_000);
+  const posters = names.filter((name) => name.endsWith(".jpeg")).map((name) => stat(`${built}/site/assets/${name}`));
+  expect((await Promise.all(posters)).map((file) => file.size < 16_000)).toEqual([true, true]);
 });
 
 test("without WebGL2 a line says so, and everything but the pictures works", async () => {
