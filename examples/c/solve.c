@@ -1,6 +1,6 @@
 /* Two foci above a SonicSurface, how even they are, the field between them, and the bytes that make the board play.
  *
- *     cc -std=c99 solve.c $(pkg-config --cflags --libs midair) -o solve
+ *     cc -std=c99 solve.c $(pkg-config --cflags --libs midair) -lm -o solve
  */
 #include <math.h>
 #include <stdio.h>
@@ -54,7 +54,7 @@ int main(void)
     check(midair_session_field(session, drive, count, between, 1, &pressure, message, sizeof message));
     printf("between the foci: %.0f Pa\n", hypotf(pressure.re, pressure.im));
 
-    check(midair_board_new("sonicsurface", count, &board, message, sizeof message));
+    check(midair_board_of_session("sonicsurface", session, &board, message, sizeof message));
     size = midair_board_frame_size(board);
     frame = malloc(size);
     if (frame == NULL) {

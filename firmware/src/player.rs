@@ -60,7 +60,9 @@ impl<S: Solve> Player<S> {
         if points == 0 {
             return Err(Error::invalid("points", points, "give at least 1"));
         }
-        let board = array.board(board)?;
+        // A square grid is not at the places of a board: its transducers take the board's channels in order.
+        let channels = Board::new(board, array.len())?.channels().to_vec();
+        let board = array.board_on(board, channels)?;
         Ok(Self {
             solver,
             model: Model::new(array, array.medium(&[])?, InstructionSet::SCALAR)?,
