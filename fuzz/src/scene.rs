@@ -1,8 +1,8 @@
 //! Tests the scene reader: any bytes give an error of one line, or a motion, or a scene that can be written and read again.
 
 use crate::one_line;
-use midair::files::{Drawing, Format, Provenance, Source, read, read_motion, write};
 use midair::Scene;
+use midair::files::{Drawing, Format, Provenance, Source, read, read_motion, write};
 
 /// Larger arrays are read but not written: a few bytes can describe a grid of millions of transducers.
 const MOST: usize = 4096;

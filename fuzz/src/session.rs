@@ -36,7 +36,10 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
                 let allowed = Allowed::of(model.array(), model.medium(), &ask.points);
                 allowed.check(&problem, &model.propagation(&ask.points)?, &single, configured.info.name);
                 assert_eq!((&found.drive, &found.pressures), (&single.drive, &single.pressures));
-                assert_eq!((found.metrics(), found.status, found.steps), (single.metrics(), single.status, single.steps));
+                assert_eq!(
+                    (found.metrics(), found.status, found.steps),
+                    (single.metrics(), single.status, single.steps)
+                );
                 assert_eq!(found.scale, single.scale);
             }
             // If a request has two errors, a session reports the error of the start, a single problem the error of the points.
@@ -93,7 +96,7 @@ fn ask(draw: &mut Draw, transducers: usize) -> SolveRequest {
 
 /// Solves the same request without a session.
 fn alone(model: &Model, ask: &SolveRequest, solver: &dyn Solve, balance: bool) -> Result<(Problem, Solution), Error> {
-    let setup = Setup::of_model(&model);
+    let setup = Setup::of_model(model);
     let mut problem = Problem::with_propagation(model.propagation(&ask.points)?, setup, &ask.request)?;
     if let Some(start) = &ask.start {
         problem = problem.with_start(start.clone())?;
