@@ -61,8 +61,8 @@ impl<S: Solve> Player<S> {
             return Err(Error::invalid("points", points, "give at least 1"));
         }
         // A square grid is not at the places of a board: its transducers take the board's channels in order.
-        let in_order = || array.board_on(board, Board::new(board, array.len())?.channels().to_vec());
-        let board = array.board(board).or_else(|_| in_order())?;
+        let channels = Board::new(board, array.len())?.channels().to_vec();
+        let board = array.board_on(board, channels)?;
         Ok(Self {
             solver,
             model: Model::new(array, array.medium(&[])?, InstructionSet::SCALAR)?,
