@@ -110,7 +110,7 @@ class Server(ThreadingHTTPServer):
 
     daemon_threads = True
     request_queue_size = 64
-    # On Windows a second server could take the port with it.
+    # With this option, a second server on Windows would take a port that is in use.
     allow_reuse_address = os.name != "nt"
 
     def __init__(
