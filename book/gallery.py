@@ -22,11 +22,10 @@ ORDER = {
 INTRODUCTION = """\
 # Gallery
 
-This page shows what midair can do. Each picture is the output of a short program in the folder
-[examples](../examples). The tests run all of these programs.
+Each picture is the output of a short program or notebook in the folder [examples](../examples). In a clone,
+`python examples/smiley.py` writes `smiley.png`.
 
-Eight programs begin with a scene of the [studio's](studio.md) gallery.
-`midair studio docs/scenes/gallery/smiley.json` opens such a scene.
+Eight programs use scenes of the [studio](studio.md). `midair studio docs/scenes/gallery/smiley.json` opens one.
 """
 #: The Markdown of a card: picture, title, first sentence, and a link to the program.
 CARD = """\

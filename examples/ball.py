@@ -1,6 +1,6 @@
-"""A hard ball in the way: some foci lie in its shadow. The scene is solved without the ball and with it.
+"""A hard ball in the way: three foci lie behind it. The left drive was solved without the ball, the right one with it.
 
-Both drives are played beside the ball. The ball weakens the foci by a sixth; a solve that includes the
+Both drives are played with the ball. It weakens the foci by a sixth; a solve that includes the
 scattered waves recovers half of this. `midair.Sphere` computes these waves exactly, by their series.
 """
 

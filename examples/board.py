@@ -1,4 +1,4 @@
-"""A SonicSurface's phases: the phase step of each of its 256 transducers, and the field of this drive.
+"""A SonicSurface's phases: the picture shows the phase of each of its 256 transducers, and the field.
 
 The board has 32 phases, and each transducer is on or off. midair rounds every drive for its array to these
 values. The program plays the drive on a simulated board; `sonicsurface:/dev/ttyUSB0` is a real one.

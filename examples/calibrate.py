@@ -1,8 +1,7 @@
 """The array as measured: its gains, phases and dead transducers are found from readings of
-four microphones.
+four microphones. The picture shows two foci, solved for the assumed and for the measured array.
 
-The readings are simulated, with noise 60 dB below a focus. The picture compares a focus solved for the
-assumed array with one solved for the measured array.
+The readings are simulated, with noise 60 dB below a focus.
 """
 
 import matplotlib.pyplot as plt

@@ -1,5 +1,5 @@
-"""Faults of array and air: which level remains with wrong phases, dead transducers, warm air or a tilted
-array.
+"""Faults of array and air: how much pressure and uniformity remain with wrong phases, dead transducers,
+other air or a tilted array.
 
 `midair.tolerate` plays one drive in a hundred trials of each fault, and of all faults together.
 """

@@ -1,4 +1,5 @@
-"""Four foci tuned by a microphone: the microphone is on a sound card, or simulated.
+"""Four foci tuned by a microphone: the picture shows |p| at each focus before and after.
+The microphone is simulated, or on a sound card.
 
     python examples/microphone.py                    simulated: an array that differs from its model
     python examples/microphone.py --device 3         a sound card: a microphone at each focus, a channel each

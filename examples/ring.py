@@ -1,5 +1,5 @@
-"""Six foci on a circle: the picture compares the phase changes from frame to frame, solved one by one and by
-`glide`.
+"""Six foci on a circle: the left plot shows the largest phase change from frame to frame. Frames are solved
+separately, or by `glide`.
 
 A jump of a phase is an audible click and a dip under the hand. `midair.sequence` limits the change of every
 phase.

@@ -1,5 +1,4 @@
-"""A study in a dozen lines: the weakest focus over the strongest, for different numbers of
-foci and five methods.
+"""A study in a dozen lines: the mean uniformity, weakest focus over strongest, by five methods.
 
 The table has a hundred random scenes for each number of points. `midair.sweep` also runs on a cluster.
 """

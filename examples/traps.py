@@ -1,5 +1,5 @@
-"""Three beads between two boards: the field that traps them, and the force that returns one of them to
-its place.
+"""Three beads between two boards: the picture shows the field that traps them, and the force that returns
+one of them to its place.
 
 `signature="trap"` turns foci into acoustic traps: each is a dark place in strong sound. The dotted line is
 the weight of a bead of polystyrene 2 mm across, 1.2 µN, hardly above zero: the bead rests some micrometres

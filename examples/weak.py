@@ -1,4 +1,4 @@
-"""A weak focus: greedy search smears it. The option `balance` cures this.
+"""A weak focus: greedy search spreads sound over the whole plane. The option `balance` prevents this.
 
 This is fig. 7 of Suzuki et al. 2021. `balance=True` solves at the level that the array can reach, and
 then reduces the drives.
