@@ -180,9 +180,9 @@ SOURCE = ROOT / "python" / "midair" / "_support" / "columns.toml"
 COLUMNS = """\
 # Columns of tables
 
-This page explains each column of the tables that commands print. `midair COMMAND --help` prints the same
-lines. [Metrics](conventions.md#how-good-an-answer-is) has the formulas. [Sweeps](sweeps.md#the-table) has the
-columns of a sweep's file.
+This page explains each column of the tables that commands print. `midair solve --help` prints the lines of
+`midair solve`, and so for each command. [Metrics](conventions.md#how-good-an-answer-is) has the formulas.
+[Sweeps](sweeps.md#the-table) has the columns of a sweep's file.
 """
 
 
