@@ -114,7 +114,7 @@ def cell(group: str, whole: Group, less: Group) -> str:
     loss = 100 * (math.exp(change if group in ERRORS else -change) - 1)
     uneven = sum(less.uneven) - sum(whole.uneven)
     share = less.seconds / max(whole.seconds, 1e-9)
-    texts = [f"{loss:+.1f}" if abs(loss) >= 0.05 else "", f"{uneven:+d} uneven" if uneven else ""]
+    texts = [f"{loss:+.1f}" if abs(loss) >= 0.5 else "", f"{uneven:+d} uneven" if uneven else ""]
     texts.append(f"time {share:.1f}" if whole.seconds > 0.2 and abs(share - 1) > 0.15 else "")
     return ", ".join(text for text in texts if text)
 
