@@ -223,6 +223,7 @@ site: book/.venv/ready
 	cd python && $(abspath $(PYTHON)) -B stubs midair
 	$(call step,book: built where nothing warns (10 s),NO_MKDOCS_2_WARNING=1 book/.venv/bin/mkdocs build --quiet --strict --config-file book/mkdocs.yml)
 	$(call step,book: every link followed (6 s),$(PYTHON) book/links.py out/site)
+	@touch out/site/.nojekyll # GitHub Pages would leave out folders that begin with _
 	@echo; echo "Open $(CURDIR)/out/site/index.html. Its search needs a server: python3 -m http.server --directory out/site"
 
 # The book's generator and the notebooks for tests of the studio each have an environment with their own libraries. midair

@@ -8,9 +8,11 @@
 #include <complex>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "midair.h"
@@ -205,6 +207,15 @@ public:
         warnings = detail::call(midair_session_set_text, handle.get(), name.c_str(), value.c_str());
     }
 
+    template <class Bool, class = std::enable_if_t<std::is_same_v<Bool, bool>>>
+    void set(const std::string &name, Bool value) {
+        set(name, std::string(value ? "true" : "false"));
+    }
+
+    void set(const std::string &name, std::initializer_list<double> values) {
+        set(name, std::vector<double>(values));
+    }
+
     void set(const std::string &name, const std::vector<double> &values) {
         warnings =
             detail::call(midair_session_set_numbers, handle.get(), name.c_str(), values.data(), values.size());
@@ -268,6 +279,13 @@ public:
         return pressures;
     }
 
+    /// Returns the complex pressures in Pa at the points of the last solution.
+    std::vector<Complex> pressures() const {
+        std::vector<Complex> values(midair_session_points(get()));
+        detail::call(midair_session_pressures, get(), detail::plain(values.data()), nullptr, values.size());
+        return values;
+    }
+
     /// Returns the warnings of the last call that made, set or solved, one per line; empty if there are none.
     const std::string &warning() const { return warnings; }
 
@@ -295,11 +313,15 @@ public:
         handle.reset(made);
     }
 
-    /// Returns the frame that plays a drive.
-    std::vector<std::uint8_t> encode(const std::vector<Complex> &drive) const {
-        std::vector<std::uint8_t> frame(midair_board_frame_size(handle.get()));
-        detail::call(midair_board_encode, handle.get(), detail::plain(drive.data()), drive.size(), frame.data(),
-                     frame.size());
+    const midair_board *get() const { return handle.get(); }
+
+    /// Returns the frame that plays a drive, and writes a warning if it switches all off.
+    std::vector<std::uint8_t> encode(const std::vector<Complex> &drive, std::string *warning = nullptr) const {
+        std::vector<std::uint8_t> frame(midair_board_frame_size(get()));
+        const std::string said = detail::call(midair_board_encode, get(), detail::plain(drive.data()), drive.size(),
+                                              frame.data(), frame.size());
+        if (warning)
+            *warning = said;
         return frame;
     }
 

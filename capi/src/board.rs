@@ -119,7 +119,8 @@ pub extern "C" fn midair_board_frame_size(board: Option<&Board>) -> usize {
     board.map_or(0, |board| board.inner.frame_size())
 }
 
-/// Writes the frame that makes the boards play a drive of this many transducers; size is midair_board_frame_size().
+/// Writes the frame that makes the boards play a drive of this many transducers; size is midair_board_frame_size(). The message
+/// warns of a drive so weak that all of it is off.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_board_encode(
     board: Option<&Board>,
@@ -135,8 +136,10 @@ pub unsafe extern "C" fn midair_board_encode(
         let mut bytes = vec![0; board.frame_size()];
         // SAFETY: the caller guarantees the drive and the buffer.
         unsafe {
-            board.encode(read_drive(drive, transducers)?, &mut bytes)?;
-            fill("frame", frame, size, &bytes)
+            let drive = read_drive(drive, transducers)?;
+            board.encode(drive, &mut bytes)?;
+            fill("frame", frame, size, &bytes)?;
+            Ok(board.mutes(drive, &bytes).map_or_else(String::new, |notice| notice.to_string()))
         }
     })
 }

@@ -145,7 +145,7 @@ impl Lists<'_> {
 /// Checks that a buffer is valid and has exactly the `needed` length.
 pub(crate) fn room<T>(item: &str, start: *mut T, count: usize, needed: usize) -> Result<()> {
     if count != needed {
-        return Err(Error::invalid(item, format!("room for {count}"), format!("give room for {needed}")));
+        return Err(Error::shape(item, format!("room for {count}"), format!("give room for {needed}")));
     }
     check(item, start, count)
 }

@@ -182,20 +182,25 @@ impl Input<'_> {
     }
 
     fn number(self, item: &str) -> Result<f64> {
-        f64::read(item, &self.value(item)?)
+        match self {
+            Self::Text(_) => {
+                Err(Error::new(ErrorCode::Type, item, "no number", "set it with midair_session_set_number"))
+            }
+            _ => f64::read(item, &self.value(item)?),
+        }
     }
 
     fn text(&self, item: &str) -> Result<&str> {
         match self {
             Self::Text(text) => Ok(text),
-            _ => Err(Error::invalid(item, "no text", "set it with midair_session_set_text")),
+            _ => Err(Error::new(ErrorCode::Type, item, "no text", "set it with midair_session_set_text")),
         }
     }
 
     fn numbers(&self, item: &str) -> Result<&[f64]> {
         match self {
             Self::Numbers(list) => Ok(list),
-            _ => Err(Error::invalid(item, "no list", "set it with midair_session_set_numbers")),
+            _ => Err(Error::new(ErrorCode::Type, item, "no list", "set it with midair_session_set_numbers")),
         }
     }
 

@@ -4,7 +4,9 @@ use std::ffi::c_char;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use midair::files::{Format, Source, open};
-use midair::{Control, Error, InstructionSet, Model, Moving, Precision, Problem, Request, Result, SolveRequest};
+use midair::{
+    Control, Error, ErrorCode, InstructionSet, Model, Moving, Precision, Problem, Request, Result, SolveRequest,
+};
 
 use crate::answer::{Answer, Metrics};
 use crate::array::Array;
@@ -46,6 +48,10 @@ impl State {
 
     /// Makes a session from the text of a scene. Also returns warnings about probable mistakes.
     pub(crate) fn of_scene(text: &str, source: Source<'_>) -> Result<(Self, String)> {
+        if !text.contains(['=', '{', '[']) {
+            let cure = "give the text of a scene file, and its folder beside it";
+            return Err(Error::new(ErrorCode::Unreadable, "scene", format_args!("{text:?}"), cure));
+        }
         let (scene, moving) =
             open(text.as_bytes(), Format::of_text(text.as_bytes()), source, InstructionSet::requested()?)?;
         let (state, said) = Self::open(Setting::of_scene(&scene)?, &[])?;

@@ -49,7 +49,7 @@ codes! {
     CrossesArray "crosses-array" "An obstacle that contains or touches a transducer."
     SphereAmong "sphere-among" "A sphere beside other obstacles."
     SphereSize "sphere-size" "A sphere that is too large."
-    Doubtful "doubtful" "A value that is computed, and probably a mistake."
+    Doubtful "doubtful" "A value that midair computes with, and that is probably a mistake."
     BeyondReach "beyond-reach" "A pressure that the array cannot make at its point."
     BeyondTogether "beyond-together" "Pressures that no drive makes at the same time."
     Missed "missed" "Pressures that the answer misses by more than 1 %."
@@ -57,8 +57,8 @@ codes! {
     PhasesUnused "phases-unused" "Phases of pressures that the method ignores."
     Leak "leak" "Quiet points that are louder than the method's tolerance."
     Harmonic "harmonic" "A pressure at which the second harmonic counts."
-    Scaled "scaled" "An amplitude that the supply voltage or a modulation must provide."
-    Fallen "fallen" "Traps that do not hold their beads."
+    Scaled "scaled" "Drives weaker than the board can play: supply voltage or modulation must scale them."
+    Fallen "fallen" "Traps whose beads fall."
     Still "still" "A limit of phase changes that is smaller than a step of the board's phases."
 }
 

@@ -66,6 +66,7 @@ impl Codec {
         let drive = read::drive("drive", drive)?;
         let mut frame = vec![0; self.board.frame_size()];
         self.board.encode(&drive, &mut frame).map_err(refused)?;
+        warn_all(py, self.board.mutes(&drive, &frame))?;
         Ok(PyBytes::new(py, &frame))
     }
 

@@ -149,11 +149,11 @@ PAPER = {"grid": {"nx": 20, "ny": 20, "pitch": 0.01}, "source_pressure": 1e-3}
 SHORT: dict[str, tuple[float, str]] = {
     "beyond": (
         500.0,
-        r"^24 of 24 problems ask for more pressure than the array reaches at a point, and get as",
+        r"^24 of 24 problems request more pressure than the array reaches at a point, and get as",
     ),
     "weak": (
         0.1,
-        r"^12 of 24 problems ask for less than half the balanced level: .*, balance = true cures it$",
+        r"^12 of 24 problems request less than half the balanced level: .*, balance = true cures it$",
     ),
 }
 

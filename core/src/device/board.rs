@@ -221,6 +221,14 @@ impl Board {
         Ok(())
     }
 
+    /// Warns of a drive above 0 whose frame switches every channel off.
+    pub fn mutes(&self, drive: &[Complex32], frame: &[u8]) -> Option<Notice> {
+        let lost = drive.iter().any(|q| *q != Complex32::ZERO) && frame == self.off_frame();
+        let cure = "the board stays off, multiply the drive or give the array the board's quantization";
+        let value = format!("too weak for {}", self.format.name);
+        lost.then(|| Notice::new(ErrorCode::Scaled, "the drive", value, cure))
+    }
+
     /// Writes the drive (N,) that a frame plays.
     ///
     /// # Errors
@@ -272,7 +280,8 @@ impl Board {
         let fits = |q: &Complex32| q.norm_sqr() <= 1.0 || (q.is_finite() && math::modulus(*q) <= 1.0 + SLACK);
         if let Some(i) = drive.iter().position(|q| !fits(q)) {
             let value = format!("{} + {}j", drive[i].re, drive[i].im);
-            return Err(Error::out_of_range(format!("drive[{i}]"), value, "give finite drives of at most 1"));
+            let code = if drive[i].is_finite() { ErrorCode::OutOfRange } else { ErrorCode::NotFinite };
+            return Err(Error::new(code, format!("drive[{i}]"), value, "give finite drives of at most 1"));
         }
         self.wiring.as_ref().map_or(Ok(Cow::Borrowed(drive)), |wiring| wiring.drives(drive).map(Cow::Owned))
     }

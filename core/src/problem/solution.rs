@@ -450,11 +450,10 @@ pub enum Precision {
 words!(Precision: "single" = Self::Single, "double" = Self::Double);
 
 impl Problem {
-    /// Returns the relative error of a solution if it exceeds 1 %. Returns `None` if the method does not meet targets
-    /// (`meets`), if targets were not given or are not the aim, or if the solve was stopped. Quiet points may leak the part
-    /// `quiet` of the largest target.
-    pub(crate) fn missed(&self, meets: bool, quiet: Option<f64>, solution: &Solution) -> Option<f64> {
-        let requested = meets && self.holds_pressures() && solution.status != Status::Stopped;
+    /// Returns the relative error of a solution if it exceeds 1 %. Returns `None` if targets were not given or are not the
+    /// aim, or if the solve was stopped. Quiet points may leak the part `quiet` of the largest target.
+    pub(crate) fn missed(&self, quiet: Option<f64>, solution: &Solution) -> Option<f64> {
+        let requested = self.holds_pressures() && solution.status != Status::Stopped;
         let miss = if requested { self.miss(solution, quiet.unwrap_or(0.0)) } else { 0.0 };
         (miss > MISS).then_some(miss)
     }

@@ -35,11 +35,11 @@ impl Medium {
         real("medium.humidity", humidity, 0.0, false)?;
         if humidity > 100.0 || (humidity > 0.0 && humidity < 1.0) {
             let cure = format!("give percent: 0, or 1 to 100 ({HUMIDITY} is usual)");
-            return Err(Error::invalid("medium.humidity", humidity, cure));
+            return Err(Error::out_of_range("medium.humidity", humidity, cure));
         }
         if !(1e4..=2e5).contains(&air_pressure) {
             let cure = format!("give Pa, 10000 to 200000 (101.325 kPa are {STANDARD})");
-            return Err(Error::invalid("medium.air_pressure", format!("{air_pressure:?}"), cure));
+            return Err(Error::out_of_range("medium.air_pressure", format!("{air_pressure:?}"), cure));
         }
         let kelvin = temperature + ZERO;
         // In hot air the formula for saturated vapour would exceed the air pressure. The partial pressure of vapour

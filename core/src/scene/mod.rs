@@ -41,7 +41,7 @@ pub use obstacle::{Body, Obstacle};
 pub(crate) use obstacle::{Obstacles, element_size};
 pub use part::{Part, PartKind, PartValue};
 pub use plane::{Axis, Plane};
-pub(crate) use plausibility::{Vicinity, beside, contrary, distant, figures, short};
+pub(crate) use plausibility::{Vicinity, contrary, distant, figures, short};
 pub use pose::Pose;
 pub(crate) use request::check_drive;
 pub use request::{Aim, Request, Start};
@@ -232,8 +232,8 @@ impl Scene {
     /// Returns the probable mistakes in points and plane, without those of [`Array::doubts`].
     pub fn own_doubts(&self) -> Vec<Notice> {
         let mut doubts = Vec::new();
-        let far = Vicinity::of(&self.array).doubt(&self.points, |j| format!("points[{j}].position"));
-        doubts.extend(far.or_else(|| beside(&self.array, self.medium, &self.points)));
+        let place = |j| format!("points[{j}].position");
+        doubts.extend(Vicinity::of(&self.array).doubt(self.medium, &self.points, place));
         doubts.extend(distant(&self.array, self.obstacles.list()));
         doubts.extend(contrary(self.medium, &self.points, &self.request));
         doubts.extend(self.plane.and_then(|plane| plane.doubt()));

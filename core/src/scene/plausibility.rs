@@ -242,13 +242,16 @@ impl Vicinity {
         Self { array: array.clone(), bounds: bounds.map(|[low, high]| [low - most, high + most]), size }
     }
 
-    /// Returns the first point outside of the box or, if all are inside, the first one behind every transducer. The text also
-    /// gives the number of such points; `name` makes the name from the index.
-    pub(crate) fn doubt(&self, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Notice> {
+    /// Returns the first point outside of the box or, if all are inside, the first one behind every transducer, else
+    /// the first one [`beside`] the array. The text may also give the number of such points; `name` makes the name from
+    /// the index.
+    pub(crate) fn doubt(&self, medium: Medium, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Notice> {
         if let Some(far) = self.far(points, &name) {
             return Some(far);
         }
-        let (j, value) = first(points, |point| self.array.is_behind(point))?;
+        let Some((j, value)) = first(points, |point| self.array.is_behind(point)) else {
+            return beside(&self.array, medium, points, name);
+        };
         let cure = "behind every transducer, where a board sends no sound: give a point in front";
         Some(Notice::new(ErrorCode::Behind, name(j), value, cure))
     }
@@ -281,7 +284,7 @@ fn first(points: &[[f64; 3]], doubtful: impl Fn([f64; 3]) -> bool) -> Option<(us
 ///
 /// Within a quarter of the wavelength the model of a point source is wrong. A point within a hundredth of the wavelength is an
 /// error, reported elsewhere. A piston of radius a has its far field from k a^2 / 2 on ([`Directivity::near_field`]).
-pub(crate) fn beside(array: &Array, medium: Medium, points: &[[f64; 3]]) -> Option<Notice> {
+fn beside(array: &Array, medium: Medium, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Notice> {
     let [error, quarter] = [100.0, 4.0].map(|part| medium.wavelength() / part);
     let directivity = array.transducer().directivity;
     let within = directivity.near_field(medium.wavenumber()).max(quarter);
@@ -317,7 +320,7 @@ pub(crate) fn beside(array: &Array, medium: Medium, points: &[[f64; 3]]) -> Opti
     };
     let (j, (code, value, cure)) = points.iter().enumerate().find_map(|(j, point)| Some((j, reason(point)?)))?;
     let [x, y, z] = points[j].map(short);
-    Some(Notice::new(code, format!("points[{j}].position"), format!("[{x}, {y}, {z}] m{value}"), cure))
+    Some(Notice::new(code, name(j), format!("[{x}, {y}, {z}] m{value}"), cure))
 }
 
 /// Returns the first obstacle that is farther away than any room is large.

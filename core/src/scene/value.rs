@@ -79,7 +79,7 @@ impl OptionValue for f64 {
     fn read(item: &str, value: &Value) -> Result<Self> {
         match value {
             Value::Integer(number) => Ok(*number as Self),
-            Value::Real(number) if number.is_finite() => Ok(*number),
+            Value::Real(number) => crate::error::real(item, *number, f64::MIN, false),
             _ => Err(Error::wrong_type(item, value, "give a finite number")),
         }
     }

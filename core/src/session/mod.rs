@@ -279,8 +279,8 @@ impl Session {
         remarks.into_iter().flatten()
     }
 
-    /// Returns probable mistakes in the points of a request. A point far beyond the array or behind it is reported once in a
-    /// session. Different pressures at one place are reported only for the first request. The check takes one comparison for
+    /// Returns probable mistakes in the points of a request. A point far beyond the array, behind it or too near is reported
+    /// once in a session. Different pressures at one place are reported only for the first request. The check takes one comparison for
     /// each coordinate.
     pub fn doubts(&mut self, ask: &SolveRequest) -> Vec<Notice> {
         let far = self.far(&ask.points, |j| format!("points[{j}].position"));
@@ -290,14 +290,14 @@ impl Session {
     }
 
     /// Does the same as [`Session::doubts`] for all points (B, M, 3) of a batch, with `each` = M. It reports only
-    /// points far beyond the array or behind it.
+    /// points far beyond the array, behind it or too near.
     pub fn batch_doubts(&mut self, points: &[[f64; 3]], each: usize) -> Vec<Notice> {
         let far = self.far(points, |k| format!("problems[{}].points[{}].position", k / each, k % each));
         far.into_iter().collect()
     }
 
     fn far(&mut self, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Notice> {
-        let far = self.vicinity.as_ref()?.doubt(points, name)?;
+        let far = self.vicinity.as_ref()?.doubt(self.task.setup.medium, points, name)?;
         self.vicinity = None;
         Some(far)
     }

@@ -25,8 +25,7 @@ pub trait Solve {
         None
     }
 
-    /// Returns whether the method continues until the targets are met. A solution that misses them then has the status
-    /// [`crate::Status::Missed`].
+    /// Returns whether the method continues until the targets are met. A miss of 1 % is then worth a warning.
     #[doc(hidden)]
     fn meets_targets(&self) -> bool {
         false

@@ -68,12 +68,17 @@ pub(crate) fn solve_after(
     match solution.and_then(quantized) {
         Err(error) if error.is_stop() => Ok(Solution::silent(problem, work).spread()),
         Ok(mut solution) => {
-            if problem.missed(solver.meets_targets(), solver.quiet(), &solution).is_some() {
-                solution.status = Status::Missed;
-            }
+            judge(problem, solver, &mut solution);
             Ok(solution.spread())
         }
         error => error,
+    }
+}
+
+/// Sets the status of a solution that misses its targets.
+fn judge(problem: &Problem, solver: &dyn Solve, solution: &mut Solution) {
+    if problem.missed(solver.quiet(), solution).is_some() {
+        solution.status = Status::Missed;
     }
 }
 
@@ -109,6 +114,7 @@ pub(crate) fn solve_interleaved(
         let at = |error| (k, error);
         check(solution).map_err(at)?;
         solution.quantize(excess(solution, factor(problem)), work, &mut Control::none()).map_err(at)?;
+        judge(problem, solver, solution);
     }
     balanced.into_iter().flatten().for_each(|problem| problem.recycle(work));
     Ok(solutions)

@@ -60,7 +60,7 @@ class Limit:
             place = ", ".join(f"{x:.4g}" for x in self._scene.points[worst])
             raise BoardError(
                 f"limit at ({place}) m is {self._most[worst]:.4g} Pa, this drive makes "
-                f"{pressures[worst]:.4g} Pa: ask for less, or for a quiet point there"
+                f"{pressures[worst]:.4g} Pa: request less, or a quiet point there"
             )
 
 

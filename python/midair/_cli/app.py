@@ -177,7 +177,7 @@ def _run(arguments: Sequence[str]) -> int:
         tell(f"error: {one_line(error)}")
         return REFUSED
     except MemoryError as error:
-        tell(f"error: {one_line(error) or 'memory ran out: ask for less at once'}")
+        tell(f"error: {one_line(error) or 'memory ran out: request less at once'}")
         return REFUSED
     except Terminated as stop:
         tell("terminated")

@@ -18,7 +18,7 @@ from rich.text import Text
 from .. import Field, Solution
 from .._judging.compare import cells, weakest
 from .._pictures.colours import Figure, table
-from .._pictures.words import beads, sentence
+from .._pictures.words import beads, is_requested, off, sentence
 from .._support import output
 
 #: Largest number of characters per row of a picture in the terminal; the characters for pressures from 0 to
@@ -110,7 +110,8 @@ def print_solutions(
     solutions = list(solutions)
     names = list(names or [solution.solver for solution in solutions])
     columns = cells(solutions, names, gaps)
-    best = max(range(len(solutions)), key=lambda k: weakest(solutions[k]))
+    quality = [-off(each) if is_requested(each) else weakest(each) for each in solutions]
+    best = quality.index(max(quality))
     name = f"{names[best]}: " if len(solutions) > 1 else ""
     words = [f"{name}{sentence(solutions[best])}", *filter(None, [beads(solutions[best])])]
     print_columns(command, columns if len(solutions) == 1 else best_of(columns), *words)

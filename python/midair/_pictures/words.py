@@ -73,8 +73,8 @@ def off(solution: Solution) -> float:
 
 
 def _percent(part: float) -> str:
-    """Return a fraction as a percentage with two digits, at least 0.1 %."""
-    return f"{max(100 * part, 0.1):.2g} %"
+    """Return a fraction as a percentage with two digits, at least 0.1 %; whole percents from 100 % on."""
+    return f"{100 * part:.0f} %" if part >= 0.995 else f"{max(100 * part, 0.1):.2g} %"
 
 
 def _spl(pressure: float) -> str:

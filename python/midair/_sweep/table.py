@@ -44,13 +44,13 @@ class Shortfall:
         parts = []
         if self.beyond:
             parts.append(
-                f"{self.beyond:,} of {self.problems:,} problems ask for more pressure than the array reaches"
-                f" at a point, and get as little as {self.least:.2g} of it (column level): ask for less, or"
+                f"{self.beyond:,} of {self.problems:,} problems request more pressure than the array reaches"
+                f" at a point, and get as little as {self.least:.2g} of it (column level): request less, or"
                 " leave the pressure out for the balanced level"
             )
         if self.weak:
             parts.append(
-                f"{self.weak:,} of {self.problems:,} problems ask for less than half the balanced level: foci"
+                f"{self.weak:,} of {self.problems:,} problems request less than half the balanced level: foci"
                 " this weak come out smeared, balance = true cures it"
             )
         return "; ".join(parts)

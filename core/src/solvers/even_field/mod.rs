@@ -71,7 +71,7 @@ pub(crate) fn meet(
     let quiet = f64::from(plans[0].quiet);
     let loud = || problem.targets()[..problem.propagation().points()].iter().all(|&target| target > 0.0);
     let leaks = problem.leaks(quiet, &solution).is_some();
-    let missed = leaks || problem.missed(true, Some(quiet), &solution).is_some();
+    let missed = leaks || problem.missed(Some(quiet), &solution).is_some();
     // For separate points the highest common level is the solution, even if it is below the targets. For other points
     // it is the solution only if it reaches them.
     let highest = loud() && regime == Some(Regime::Separate) || reached && !leaks;
