@@ -215,7 +215,7 @@ pictures: $(if $(NAMES),setup) ## Pictures and tables of pages: lists them; NAME
 	OPENBLAS_NUM_THREADS=1 MPLBACKEND=agg $(PYTHON) book/pictures $(NAMES)
 
 look: docs studio ## Look at the book in a browser: axe, requests, widths, live cells (Node 20+, Debian's chromium; 3 min)
-	$(call step,book: in a browser (3 min),node book/look.mjs out/site out/look)
+	$(call step,book: in a browser (3 min),node studio/look.mjs out/site out/look)
 
 docs: setup site ## Build the book, the documentation as a site: out/site/index.html
 

@@ -9,7 +9,6 @@ parts it prints their rows only.
 import json
 import math
 import os
-import re
 import resource
 import subprocess
 import sys
@@ -73,12 +72,6 @@ pub(crate) fn without(part: usize) -> bool {
         if text.count(old) != 1:
             sys.exit(f"{part}: {file} contains {old!r} {text.count(old)} times, not once")
         source.write_text(text.replace(old, new.format(f"crate::without({number})")), encoding="utf-8")
-    if "avx512f" in Path("/proc/cpuinfo").read_text("utf-8"):
-        # Kernels for other processors take most of the time of a build.
-        kinds = copy / "core/src/kernels/simd/instruction_set.rs"
-        arm = r"Kind::(Avx2)\(\$simd\) => \$simd\.vectorize\(\s*#\[inline\(always\)\]\s*\|\| \$body,\s*\),"
-        changed = re.sub(arm, r"Kind::\1(_) => unreachable!(),", kinds.read_text("utf-8"))
-        kinds.write_text(changed, encoding="utf-8")
 
 
 def built(copy: Path) -> str:

@@ -75,9 +75,11 @@ pub(crate) fn solve_after(
     }
 }
 
-/// Sets the status of a solution that misses its targets.
+/// Sets the status of a solution that misses its targets; a method that does not continue until they are met may also have run
+/// out of steps.
 fn judge(problem: &Problem, solver: &dyn Solve, solution: &mut Solution) {
-    if problem.missed(solver.quiet(), solution).is_some() {
+    let ended = solver.meets_targets() || solution.status == Status::Done;
+    if ended && problem.missed(solver.quiet(), solution).is_some() {
         solution.status = Status::Missed;
     }
 }

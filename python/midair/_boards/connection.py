@@ -402,10 +402,7 @@ LOOK = 0.1
 
 
 def keep(
-    connection: Connection,
-    solution: Solution,
-    seconds: float | None,
-    show: Callable[[], object] = lambda: None,
+    connection: Connection, solution: Solution, seconds: float | None, show: Callable[[], object] = lambda: None
 ) -> None:
     """Play one drive for a number of seconds, or until Ctrl-C if None. Calls `show` repeatedly."""
     begin = time.monotonic()

@@ -224,11 +224,7 @@ class Tolerance:
         return table
 
     def plot(
-        self,
-        ax: Axes | None = None,
-        *,
-        panels: Panel | Iterable[Panel] | None = None,
-        size: Size | None = None,
+        self, ax: Axes | None = None, *, panels: Panel | Iterable[Panel] | None = None, size: Size | None = None
     ) -> Figure:
         """Draw every trial's level and uniformity, with a row for each fault.
 

@@ -190,13 +190,7 @@ def _turned(scene: Scene, of: Indices, turn: NDArray[np.int64]) -> Indices | Non
 
 
 def _look(
-    scene: Scene,
-    boards: Indices,
-    name: str,
-    order: Indices,
-    own: Complex,
-    drives: Complex,
-    readings: Real | Complex,
+    scene: Scene, boards: Indices, name: str, order: Indices, own: Complex, drives: Complex, readings: Real | Complex
 ) -> tuple[float, str, Indices, float, Complex]:
     """Return the best correlation of readings and model of an order, over sound speeds and delays."""
     best = (-1.0, name, order, scene.sound_speed, np.ones(int(boards.max()) + 1, complex))

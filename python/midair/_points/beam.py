@@ -8,11 +8,7 @@ from .._support.arguments import number, refused, vector
 
 
 def beam(
-    scene_or_array: Scene | Array,
-    direction: ArrayLike,
-    *,
-    apex: ArrayLike = (0.0, 0.0, 0.0),
-    angle: float = 0.0,
+    scene_or_array: Scene | Array, direction: ArrayLike, *, apex: ArrayLike = (0.0, 0.0, 0.0), angle: float = 0.0
 ) -> NDArray[np.complex64]:
     """Return the drive of a plane wave, or of a Bessel beam, at full amplitude.
 

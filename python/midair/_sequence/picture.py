@@ -40,11 +40,7 @@ TEAL, RED = "#2b6f6b", "#b8402a"
 
 
 def motion(
-    sequence: Frames,
-    ax: Axes | None = None,
-    *,
-    panels: Panel | Iterable[Panel] | None = None,
-    size: Size | None = None,
+    sequence: Frames, ax: Axes | None = None, *, panels: Panel | Iterable[Panel] | None = None, size: Size | None = None
 ) -> Figure:
     """Draw |p| / target of the points and phase changes over time, and the spectrum of |p|^2.
 

@@ -77,11 +77,7 @@ class Sequence(Frames):
     """
 
     def plot(
-        self,
-        ax: Axes | None = None,
-        *,
-        panels: Panel | Iterable[Panel] | None = None,
-        size: Size | None = None,
+        self, ax: Axes | None = None, *, panels: Panel | Iterable[Panel] | None = None, size: Size | None = None
     ) -> Figure:
         """Draw |p| / target and phase changes over time, and the spectrum of the radiation pressure.
 

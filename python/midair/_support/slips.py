@@ -148,11 +148,7 @@ def _constructor(make: Callable[..., Any], owner: type, name: str) -> Callable[.
 
 
 def _slip(
-    function: Callable[..., Any],
-    name: str,
-    arguments: Sequence[Any],
-    keywords: Mapping[str, Any],
-    error: Exception,
+    function: Callable[..., Any], name: str, arguments: Sequence[Any], keywords: Mapping[str, Any], error: Exception
 ) -> Exception | None:
     """Return a better error if the arguments have caused it: an unknown keyword, a missing one; else None."""
     signature = inspect.signature(function)

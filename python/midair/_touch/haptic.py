@@ -344,13 +344,7 @@ class _Judge:
     """Computes the strength of techniques along a curve, by a model of the skin."""
 
     def __init__(
-        self,
-        array: Array,
-        curve: Curve,
-        rate: float,
-        reach: float,
-        membrane: _midair.Membrane,
-        model: dict[str, Any],
+        self, array: Array, curve: Curve, rate: float, reach: float, membrane: _midair.Membrane, model: dict[str, Any]
     ) -> None:
         self._array, self.curve, self.rate, self._model = array, curve, rate, model
         self._plane = hand(curve.places, array, MARGIN, COARSE)

@@ -23,6 +23,7 @@ const TYPES: Record<string, string> = {
   ".js": "text/javascript",
   ".mjs": "text/javascript",
   ".css": "text/css",
+  ".svg": "image/svg+xml",
   ".wasm": "application/wasm",
 };
 
@@ -34,7 +35,7 @@ const POLICY =
 export async function serve(folder: string, strict = true): Promise<{ url: string; close(): void }> {
   const server = createServer(async (request, answer) => {
     const name = normalize(new URL(request.url!, "http://x").pathname);
-    const file = join(folder, name === "/" ? "index.html" : name);
+    const file = join(folder, name.endsWith("/") ? `${name}index.html` : name);
     if (!existsSync(file)) return void answer.writeHead(404).end();
     const type = TYPES[extname(file)] ?? "application/octet-stream";
     const policy = strict ? { "Content-Security-Policy": POLICY } : {};
