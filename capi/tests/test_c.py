@@ -50,6 +50,42 @@ def test_the_page(compiled: Build, tmp_path: Path, language: str) -> None:
         run(compiled(source))
 
 
+def test_a_session_in_cpp_takes_every_kind_of_value_and_warns(compiled: Build, tmp_path: Path) -> None:
+    source = tmp_path / "values.cpp"
+    source.write_text(
+        """
+#include <cstdio>
+#include <midair.hpp>
+
+int main() {
+    midair::Session session(midair::Array::grid(16, 16, 0.01), "uniform");
+    session.set("balance", true);
+    session.set("aim", "target");
+    session.set("temperature", 20);
+    session.set("bead.gravity", {0, 0, -9.81});
+    const midair::Solution solution = session.solve({{0, 0, 0.15}}, {50});
+    std::printf("%.0f\\n", std::abs(session.pressures().at(0)));
+    std::string warning;
+    midair::Board("sonicsurface", 256).encode(solution.drive, &warning);
+    std::printf("%s\\n", warning.c_str());
+    session.solve({{0, 0, 0.001}}, {50});
+    std::printf("%s\\n", session.warning().c_str());
+    try {
+        session.set("temperature", "warm");
+    } catch (const midair::Error &error) {
+        std::printf("%s: %s\\n", error.code.c_str(), error.what());
+    }
+}
+""",
+        "utf-8",
+    )
+    pressure, weak, near, refusal = run(compiled(source)).splitlines()
+    assert pressure == "50"
+    assert weak.startswith("the drive is too weak for sonicsurface: the board stays off")
+    assert "nearer than a quarter of the wavelength" in near
+    assert refusal == "type: medium.temperature is no number: set it with midair_session_set_number"
+
+
 def test_the_page_lists_every_function(library: Library) -> None:
     listed = re.findall(r"^\| `(midair_\w+)` \|", PAGE.read_text("utf-8"), re.MULTILINE)
     assert listed == list(library.arguments)

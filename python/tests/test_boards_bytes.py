@@ -391,3 +391,13 @@ def test_a_focus_keeps_its_pressure_and_its_sign(case: tuple[str, int]) -> None:
     short = np.sinc(0.5 / phases) * (1 + np.cos(np.pi / phases)) / 2
     assert got > (0.99 if phases > 10 else 0.99 * short) * ideal
     assert np.abs(paths @ played(board, rig, wanted.conj())) < 0.3 * ideal
+
+
+def test_a_drive_so_weak_that_the_board_stays_off_has_a_warning() -> None:
+    board = Board("sonicsurface")
+    drive = np.full(256, 0.3 + 0j)
+    with pytest.warns(midair.SceneWarning, match="the drive is too weak for sonicsurface: the board stays off"):
+        assert board.encode(drive) == board.off_frame
+    assert board.encode(0 * drive) == board.off_frame
+    drive[7] = 1
+    assert board.encode(drive) != board.off_frame

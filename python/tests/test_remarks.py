@@ -145,3 +145,24 @@ def test_a_batch_warns_of_quiet_points_that_leak() -> None:
     assert any("quiet points leak" in text for text in texts)
     batch = received(lambda: midair.solve_batch(array, points[None], asked))
     assert batch == [f"in 1 of 1 problems, worst in problems[0]: {text}" for text in texts]
+
+
+@pytest.mark.parametrize("method", ["sdp", "gspat", "naive"])
+def test_a_method_whose_limit_plays_louder_than_requested_says_so(method: str) -> None:
+    scene = midair.Scene(ARRAY, POINTS, 0.02)
+    solutions = []
+    (text,) = received(lambda: solutions.append(midair.solve(scene, method, limit="normalize")))
+    assert "the pressures are missed by" in text
+    assert 'balance=True, limit="clamp" or the method uniform cures it' in text
+    assert solutions[0].status == "missed"
+    assert solutions[0].metrics.level > 1.5
+    assert midair.solve(scene).status == "done"
+
+
+def test_every_method_says_what_it_misses() -> None:
+    scene = midair.Scene(ARRAY, POINTS, 30.0)
+    for method in ("fast", "greedy", "lm", "gs", "wgs", "gspat", "evd", "tikhonov", "naive"):
+        solutions = []
+        texts = received(lambda method=method, out=solutions: out.append(midair.solve(scene, method)))
+        assert solutions[0].status == "missed", method
+        assert any("beyond reach" in text for text in texts), method

@@ -163,7 +163,7 @@ pub(crate) const FALLEN: usize = KINDS - 1;
 /// The level below which a solution counts as a mistake of its method, as by a drive that was not scaled.
 const FAINT: f64 = 0.01;
 
-/// The miss above which methods that approach their targets in fixed steps warn.
+/// The miss above which the other methods warn, unless another warning states the cause.
 const ROUGH: f64 = 0.5;
 
 /// The share of the second harmonic from which on there is a warning: that of about 6 kPa.
@@ -215,8 +215,9 @@ pub fn remarks(
     solution: &Solution,
     beyond: Option<Beyond>,
 ) -> [Option<Remark>; KINDS] {
-    let missed = problem.missed(solver.quiet(), solution);
-    let missed = missed.filter(|error| solver.meets_targets() || *error > ROUGH);
+    let weak = problem.is_weak() && !balance && !solver.finds_level() && solver.plays_at_full();
+    let rough = |error| error > ROUGH && beyond.is_none() && !weak;
+    let missed = problem.missed(solver.quiet(), solution).filter(|&error| solver.meets_targets() || rough(error));
     let sounds = problem.active_targets_in_pascals().any(|target| target > 0.0) && solution.status != Status::Stopped;
     let level = solution.metrics().level;
     // No target states the pressure at a trap.
@@ -224,7 +225,6 @@ pub fn remarks(
     let meant = focused && (problem.aim() == Aim::Target || !problem.asks_pressures());
     let missed = missed.or((sounds && meant && beyond.is_none() && level < FAINT).then_some(1.0 - level));
     let missed = missed.map(|error| Remark::Missed { error, level });
-    let weak = problem.is_weak() && !balance && !solver.finds_level() && solver.plays_at_full();
     let unused = problem.target_phases().is_some() && !solver.uses_phases();
     let follows = problem.start_drive().is_some() || last.is_some_and(|last| !last.is_empty());
     let scale = solution.scale;
