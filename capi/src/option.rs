@@ -183,9 +183,7 @@ impl Input<'_> {
 
     fn number(self, item: &str) -> Result<f64> {
         match self {
-            Self::Text(_) => {
-                Err(Error::new(ErrorCode::Type, item, "no number", "set it with midair_session_set_number"))
-            }
+            Self::Text(text) => Err(Error::new(ErrorCode::Type, item, text, "set it with midair_session_set_number")),
             _ => f64::read(item, &self.value(item)?),
         }
     }

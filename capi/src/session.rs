@@ -49,8 +49,7 @@ impl State {
     /// Makes a session from the text of a scene. Also returns warnings about probable mistakes.
     pub(crate) fn of_scene(text: &str, source: Source<'_>) -> Result<(Self, String)> {
         if !text.contains(['=', '{', '[']) {
-            let cure = "give the text of a scene file, and its folder beside it";
-            return Err(Error::new(ErrorCode::Unreadable, "scene", format_args!("{text:?}"), cure));
+            return Err(Error::new(ErrorCode::Unreadable, "scene", text, "give the text of a scene file, no path"));
         }
         let (scene, moving) =
             open(text.as_bytes(), Format::of_text(text.as_bytes()), source, InstructionSet::requested()?)?;

@@ -83,7 +83,7 @@ int main() {
     assert pressure == "50"
     assert weak.startswith("the drive is too weak for sonicsurface: the board stays off")
     assert "nearer than a quarter of the wavelength" in near
-    assert refusal == "type: medium.temperature is no number: set it with midair_session_set_number"
+    assert refusal == "type: medium.temperature is warm: set it with midair_session_set_number"
 
 
 def test_the_page_lists_every_function(library: Library) -> None:

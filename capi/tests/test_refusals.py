@@ -112,7 +112,7 @@ REFUSED: dict[str, tuple[Call, str]] = {
     "frequency of -1": (number("frequency", -1), "medium.frequency is -1.0: give a number above 0"),
     "text for a number": (
         text("frequency", "40k"),
-        'medium.frequency is "40k": give a finite number',
+        "medium.frequency is 40k: set it with midair_session_set_number",
     ),
     "radius": (number("directivity.piston", 4.5), "directivity.piston is 4.5: give metres"),
     "part of a phase": (
@@ -163,6 +163,10 @@ REFUSED: dict[str, tuple[Call, str]] = {
         "points[0].pressure is -3.0: give a number of at least 0",
     ),
     "weight": (requested(weights=np.array([NAN])), "points[0].weight is NaN: give a finite number"),
+    "path of a scene": (
+        lambda h: ("session_open", b"scene.toml", None, h.place),
+        "scene is scene.toml: give the text of a scene file",
+    ),
     "no points": (requested(points=None, count=0), "points is empty: give at least one point"),
     "drive of NaN": (
         lambda h: ("session_field", h.session, np.full(64, NAN, np.complex64), 64, POINT, 1, h.drive),

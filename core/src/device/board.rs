@@ -225,8 +225,7 @@ impl Board {
     pub fn mutes(&self, drive: &[Complex32], frame: &[u8]) -> Option<Notice> {
         let lost = drive.iter().any(|q| *q != Complex32::ZERO) && frame == self.off_frame();
         let cure = "the board stays off, multiply the drive or give the array the board's quantization";
-        let value = format!("too weak for {}", self.format.name);
-        lost.then(|| Notice::new(ErrorCode::Scaled, "the drive", value, cure))
+        lost.then(|| Notice::new(ErrorCode::Scaled, "the drive", format!("too weak for {}", self.format.name), cure))
     }
 
     /// Writes the drive (N,) that a frame plays.

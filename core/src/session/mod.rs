@@ -291,9 +291,8 @@ impl Session {
 
     /// Does the same as [`Session::doubts`] for all points (B, M, 3) of a batch, with `each` = M. It reports only
     /// points far beyond the array, behind it or too near.
-    pub fn batch_doubts(&mut self, points: &[[f64; 3]], each: usize) -> Vec<Notice> {
-        let far = self.far(points, |k| format!("problems[{}].points[{}].position", k / each, k % each));
-        far.into_iter().collect()
+    pub fn batch_doubts(&mut self, points: &[[f64; 3]], each: usize) -> Option<Notice> {
+        self.far(points, |k| format!("problems[{}].points[{}].position", k / each, k % each))
     }
 
     fn far(&mut self, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Notice> {

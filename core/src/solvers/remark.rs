@@ -224,13 +224,12 @@ pub fn remarks(
     let focused = problem.propagation().signature().is_none();
     let meant = focused && (problem.aim() == Aim::Target || !problem.asks_pressures());
     let missed = missed.or((sounds && meant && beyond.is_none() && level < FAINT).then_some(1.0 - level));
-    let missed = missed.map(|error| Remark::Missed { error, level });
     let unused = problem.target_phases().is_some() && !solver.uses_phases();
     let follows = problem.start_drive().is_some() || last.is_some_and(|last| !last.is_empty());
     let scale = solution.scale;
     [
         beyond.map(Remark::Beyond),
-        missed,
+        missed.map(|error| Remark::Missed { error, level }),
         weak.then(|| Remark::Weak(1.0 / problem.balance())),
         unused.then_some(Remark::PhasesUnused),
         leak(problem, solver, solution),
