@@ -201,8 +201,10 @@ def test_a_palm_before_a_camera_feels_the_button(server: PointServer, tmp_path: 
             track.append({"landmarks": [], "worldLandmarks": []})
             continue
         x, y, z = np.array(place) - [0, -0.12, 0]
-        seen = (hand + np.array([-x, -y, z])) / np.tan(np.pi / 6)
+        seen = (hand + np.array([-x, -y, z])) / np.tan(np.pi / 3)
         across, down = 0.5 + seen[:, 0] / z / 2, 0.5 + seen[:, 1] / z / 2 * 640 / 480
+        middle = np.array([across, down])[:, [0, 5, 9, 13, 17]].mean(axis=1)
+        assert ((middle > 0) & (middle < 1)).all(), "the camera sees the palm"
         rows = [{"x": u, "y": v, "z": 0.0} for u, v in zip(across, down, strict=True)]
         world = [{"x": u, "y": v, "z": w} for u, v, w in hand.tolist()]
         track.append({"landmarks": [rows], "worldLandmarks": [world]})
