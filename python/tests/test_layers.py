@@ -103,6 +103,12 @@ def named(text: str, package: str) -> Iterator[str]:
             yield f"midair.{name}"
 
 
+@cache
+def mentioned(text: str, package: str) -> tuple[list[str], list[str]]:
+    """Returns the names of `imported` and `named`; most tests change the text of one module only."""
+    return list(imported(text, package)), list(named(text, package))
+
+
 def computes(text: str) -> bool:
     """Returns whether a module imports by a name that is no plain text."""
     nodes = list(ast.walk(parsed(text)))
@@ -131,8 +137,8 @@ def graph(texts: dict[str, str]) -> dict[str, set[str]]:
     uses = {}
     for name, text in texts.items():
         module, package = name.removesuffix(".__init__"), name.rpartition(".")[0]
-        own = {used for inner in imported(text, package) if (used := longest(inner))}
-        own |= known.intersection(named(text, package))
+        imports, names = mentioned(text, package)
+        own = {used for inner in imports if (used := longest(inner))} | known.intersection(names)
         uses[module] = {used for used in own if (module, used) not in UPWARD} - {module}
     return uses
 
