@@ -85,7 +85,8 @@ def test_bounded_comes_within_a_hundredth_of_the_least_error(kind: str, count: i
         p, weights = moduli * np.exp(1j * phases), random.uniform(0.2, 2, count)
         scene = midair.Scene(array, points, p, weights=weights)
         solution = midair.solve(scene, "bounded")
-        assert solution.status == "done"
+        # The least error is above 1 % in nearly all scenes.
+        assert solution.status in {"done", "missed"}
         assert solution.steps <= 30
         G = oracle.propagation(array.positions, points)
         found, least = error(G, solution.drive, p, weights), least_error(G, p, weights)

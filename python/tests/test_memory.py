@@ -137,7 +137,7 @@ def stored():
 
 array, point = midair.Array.grid(4, 4, pitch=0.01), [[0, 0, 0.1]]
 frames = np.array([point, [[1e-4, 0, 0.1]]])
-scene = midair.Scene(array, point, 10)
+scene = midair.Scene(array, point, 500)
 solution, solver, board = midair.solve(scene), midair.Solver(array, "glide"), midair.Board("nano16")
 sequence = midair.sequence(array, frames, rate=1000)
 moving = {"rate": 1000, "signature": "trap", "aim": "max"}

@@ -92,7 +92,7 @@ def test_a_warning_made_an_error_leaves_the_drive_written() -> None:
     with pytest.raises(midair.SceneWarning):
         solver(POINTS, 800, out=out)
     assert np.abs(out).max() > 0.5
-    assert solver(POINTS, 800).status == "done"
+    assert solver(POINTS, 800).status == "missed"
 
 
 def test_the_second_harmonic_has_a_warning_where_it_is_large() -> None:
@@ -148,21 +148,15 @@ def test_a_batch_warns_of_quiet_points_that_leak() -> None:
 
 
 @pytest.mark.parametrize("method", ["sdp", "gspat", "naive"])
-def test_a_method_whose_limit_plays_louder_than_requested_says_so(method: str) -> None:
-    scene = midair.Scene(ARRAY, POINTS, 0.02)
-    solutions = []
-    (text,) = received(lambda: solutions.append(midair.solve(scene, method, limit="normalize")))
-    assert "the pressures are missed by" in text
-    assert 'balance=True, limit="clamp" or the method uniform cures it' in text
-    assert solutions[0].status == "missed"
-    assert solutions[0].metrics.level > 1.5
-    assert midair.solve(scene).status == "done"
+def test_a_method_whose_limit_plays_louder_than_requested_is_not_done(method: str) -> None:
+    solution = midair.solve(midair.Scene(ARRAY, POINTS, 0.02), method, limit="normalize")
+    assert solution.status == "missed"
+    assert solution.metrics.level > 10
 
 
-def test_every_method_says_what_it_misses() -> None:
-    scene = midair.Scene(ARRAY, POINTS, 30.0)
-    for method in ("fast", "greedy", "lm", "gs", "wgs", "gspat", "evd", "tikhonov", "naive"):
-        solutions = []
-        texts = received(lambda method=method, out=solutions: out.append(midair.solve(scene, method)))
-        assert solutions[0].status == "missed", method
-        assert any("beyond reach" in text for text in texts), method
+@pytest.mark.filterwarnings("ignore::midair.SceneWarning")
+@pytest.mark.parametrize("method", [name for name in midair.solvers() if name != "bounded"])
+def test_no_method_is_done_beyond_the_reach(method: str) -> None:
+    status = midair.solve(midair.Scene(ARRAY, POINTS, 30.0), method).status
+    assert status in {"missed", "out_of_steps"}
+    assert set(midair.solve_batch(ARRAY, [POINTS] * 20, 30.0, method).status) == {status}

@@ -36,7 +36,7 @@ def test_the_table_has_a_row_for_each_problem_in_order() -> None:
     assert table["points"].tolist() == ([2] * 15 + [5] * 15) * 2
     assert table["phases"].tolist() == ([8] * 5 + [16] * 5 + [None] * 5) * 4
     assert table["trial"].tolist() == list(range(5)) * 12
-    assert set(table["status"]) == {"done"}
+    assert set(table["status"]) == {"done", "missed"}
 
 
 def test_a_row_is_what_solve_gives_for_its_scene() -> None:
@@ -190,9 +190,9 @@ def blocks(language: str) -> list[str]:
 
 
 def sane(table: dict[str, np.ndarray]) -> bool:
-    """Returns whether the metrics are near the targets and every problem is done."""
+    """Returns whether the metrics are near the targets and every method ran to its end."""
     near = [(table[name] > 0.5) & (table[name] < 1.5) for name in ("accuracy", "level")]
-    return bool(np.all(near)) and set(table["status"]) == {"done"}
+    return bool(np.all(near)) and set(table["status"]) <= {"done", "missed"}
 
 
 EXAMPLES = [*blocks("toml"), DOCS.joinpath("sweeps", "dataset.toml").read_text("utf-8")]

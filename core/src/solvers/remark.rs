@@ -15,13 +15,8 @@ use crate::solvers::{Last, SOLVERS};
 pub enum Remark {
     /// An impossible request.
     Beyond(Beyond),
-    /// The targets are missed by more than 1 %.
-    Missed {
-        /// The relative error, sqrt(sum (target - |p|)^2 / sum target^2).
-        error: f64,
-        /// [`crate::Metrics::level`] of the solution.
-        level: f64,
-    },
+    /// The targets are missed by this relative error, which is above 1 %.
+    Missed(f64),
     /// The targets are weak: this part of the balanced level, below a half. No balancing raised them before the solve.
     Weak(f64),
     /// The targets have phases, and the solver does not use them.
@@ -82,13 +77,10 @@ impl Remark {
     pub fn notice(&self) -> Notice {
         match self {
             Self::Beyond(beyond) => beyond.notice(),
-            Self::Missed { error, level } => {
+            Self::Missed(error) => {
                 let value = format!("{:.1} % of their root mean square", 100.0 * error);
-                let cure = match *level {
-                    ..FAINT => "scale the drive, up to |q| = 1",
-                    1.5.. => "the foci are too loud: balance=True, limit=\"clamp\" or the method uniform cures it",
-                    _ => "request less, or fewer points",
-                };
+                let faint = *error > 1.0 - FAINT;
+                let cure = if faint { "scale the drive, up to |q| = 1" } else { "request less, or fewer points" };
                 Notice::new(ErrorCode::Missed, "the pressures", value, cure)
                     .verb("are missed by")
                     .other(format_args!("{:.1} %", 100.0 * error))
@@ -163,9 +155,6 @@ pub(crate) const FALLEN: usize = KINDS - 1;
 /// The level below which a solution counts as a mistake of its method, as by a drive that was not scaled.
 const FAINT: f64 = 0.01;
 
-/// The miss above which the other methods warn, unless another warning states the cause.
-const ROUGH: f64 = 0.5;
-
 /// The share of the second harmonic from which on there is a warning: that of about 6 kPa.
 const HARMONIC: f64 = 0.25;
 
@@ -179,7 +168,7 @@ impl Remark {
     pub(crate) fn severity(&self) -> f64 {
         match *self {
             Self::Beyond(Beyond::Alone { target, alone, .. }) => target / alone,
-            Self::Missed { error, .. } => error,
+            Self::Missed(error) => error,
             Self::Beyond(Beyond::Together { most: part }) | Self::Weak(part) | Self::Scaled(part) => 1.0 / part,
             Self::Leak { leak, quiet, .. } => leak / quiet,
             Self::Harmonic { share, .. } => share,
@@ -215,21 +204,20 @@ pub fn remarks(
     solution: &Solution,
     beyond: Option<Beyond>,
 ) -> [Option<Remark>; KINDS] {
-    let weak = problem.is_weak() && !balance && !solver.finds_level() && solver.plays_at_full();
-    let rough = |error| error > ROUGH && beyond.is_none() && !weak;
-    let missed = problem.missed(solver.quiet(), solution).filter(|&error| solver.meets_targets() || rough(error));
+    let missed = problem.missed(solver.quiet(), solution).filter(|_| solver.meets_targets());
     let sounds = problem.active_targets_in_pascals().any(|target| target > 0.0) && solution.status != Status::Stopped;
     let level = solution.metrics().level;
     // No target states the pressure at a trap.
     let focused = problem.propagation().signature().is_none();
     let meant = focused && (problem.aim() == Aim::Target || !problem.asks_pressures());
     let missed = missed.or((sounds && meant && beyond.is_none() && level < FAINT).then_some(1.0 - level));
+    let weak = problem.is_weak() && !balance && !solver.finds_level() && solver.plays_at_full();
     let unused = problem.target_phases().is_some() && !solver.uses_phases();
     let follows = problem.start_drive().is_some() || last.is_some_and(|last| !last.is_empty());
     let scale = solution.scale;
     [
         beyond.map(Remark::Beyond),
-        missed.map(|error| Remark::Missed { error, level }),
+        missed.map(Remark::Missed),
         weak.then(|| Remark::Weak(1.0 / problem.balance())),
         unused.then_some(Remark::PhasesUnused),
         leak(problem, solver, solution),

@@ -102,7 +102,7 @@ fn each_warning_about_a_solution_has_its_code() {
     for (remark, code) in [
         (Remark::Beyond(Beyond::Alone { point: 0, target: 2.0, alone: 1.0 }), "beyond-reach"),
         (Remark::Beyond(Beyond::Together { most: 0.5 }), "beyond-together"),
-        (Remark::Missed { error: 0.1, level: 1.0 }, "missed"),
+        (Remark::Missed(0.1), "missed"),
         (Remark::Weak(0.1), "weak"),
         (Remark::PhasesUnused, "phases-unused"),
         (Remark::Leak { leak: 0.1, quiet: 0.01, able: 9 }, "leak"),
