@@ -401,3 +401,6 @@ def test_a_drive_so_weak_that_the_board_stays_off_has_a_warning() -> None:
     assert board.encode(0 * drive) == board.off_frame
     drive[7] = 1
     assert board.encode(drive) != board.off_frame
+    for kind in KINDS:
+        board = Board(kind)
+        assert board.encode(np.full(len(board.array), 0.51 + 0j)) != board.off_frame, kind

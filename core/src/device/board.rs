@@ -221,9 +221,10 @@ impl Board {
         Ok(())
     }
 
-    /// Warns of a drive above 0 whose frame switches every channel off.
+    /// Warns of a drive above 0 whose frame switches every channel off. A board never switches |q| > 1/2 off.
     pub fn mutes(&self, drive: &[Complex32], frame: &[u8]) -> Option<Notice> {
-        let lost = drive.iter().any(|q| *q != Complex32::ZERO) && frame == self.off_frame();
+        let weak = drive.iter().all(|q| q.norm_sqr() <= 0.25) && drive.iter().any(|q| *q != Complex32::ZERO);
+        let lost = weak && frame == self.off_frame();
         let cure = "the board stays off, multiply the drive or give the array the board's quantization";
         lost.then(|| Notice::new(ErrorCode::Scaled, "the drive", format!("too weak for {}", self.format.name), cure))
     }

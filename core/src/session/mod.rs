@@ -280,8 +280,8 @@ impl Session {
     }
 
     /// Returns probable mistakes in the points of a request. A point far beyond the array, behind it or too near is reported
-    /// once in a session. Different pressures at one place are reported only for the first request. The check takes one comparison for
-    /// each coordinate.
+    /// once in a session. Different pressures at one place are reported only for the first request. The check takes some
+    /// comparisons for each point.
     pub fn doubts(&mut self, ask: &SolveRequest) -> Vec<Notice> {
         let far = self.far(&ask.points, |j| format!("points[{j}].position"));
         let first = !core::mem::replace(&mut self.compared, true);
