@@ -66,8 +66,12 @@ impl Codec {
         let drive = read::drive("drive", drive)?;
         let mut frame = vec![0; self.board.frame_size()];
         self.board.encode(&drive, &mut frame).map_err(refused)?;
-        warn_all(py, self.board.mutes(&drive, &frame))?;
         Ok(PyBytes::new(py, &frame))
+    }
+
+    /// Warns if a frame of a drive (N,) above 0 switches all transducers off.
+    fn warn_of_silence(&self, py: Python<'_>, drive: &Bound<'_, PyAny>, frame: &[u8]) -> PyResult<()> {
+        warn_all(py, self.board.mutes(&read::drive("drive", drive)?, frame))
     }
 
     /// Returns the drive (N,) of a frame.

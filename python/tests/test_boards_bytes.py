@@ -396,7 +396,7 @@ def test_a_focus_keeps_its_pressure_and_its_sign(case: tuple[str, int]) -> None:
 def test_a_drive_so_weak_that_the_board_stays_off_has_a_warning() -> None:
     board = Board("sonicsurface")
     drive = np.full(256, 0.3 + 0j)
-    with pytest.warns(midair.SceneWarning, match="the drive is too weak for sonicsurface: the board stays off"):
+    with pytest.warns(midair.SceneWarning, match="the drive is at most 0.30: sonicsurface switches all"):
         assert board.encode(drive) == board.off_frame
     assert board.encode(0 * drive) == board.off_frame
     drive[7] = 1

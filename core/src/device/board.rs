@@ -223,10 +223,13 @@ impl Board {
 
     /// Warns of a drive above 0 whose frame switches every channel off. A board never switches |q| > 1/2 off.
     pub fn mutes(&self, drive: &[Complex32], frame: &[u8]) -> Option<Notice> {
-        let weak = drive.iter().all(|q| q.norm_sqr() <= 0.25) && drive.iter().any(|q| *q != Complex32::ZERO);
-        let lost = weak && frame == self.off_frame();
-        let cure = "the board stays off, multiply the drive or give the array the board's quantization";
-        lost.then(|| Notice::new(ErrorCode::Scaled, "the drive", format!("too weak for {}", self.format.name), cure))
+        let largest = drive.iter().map(|q| q.norm_sqr()).fold(0.0, f32::max);
+        let cure = "switches all transducers off; multiply the drive, or solve for the board's array";
+        (largest > 0.0 && largest <= 0.25 && frame == self.off_frame()).then(|| {
+            let value = format!("{:.2}", math::sqrt(f64::from(largest)));
+            Notice::new(ErrorCode::Scaled, "the drive", value, format!("{} {cure}", self.format.name))
+                .verb("is at most")
+        })
     }
 
     /// Writes the drive (N,) that a frame plays.

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Codec, Solution, array_parts, numbers, presets
+from .._midair import Array, Codec, Solution, array_parts, presets
 from .._support.arguments import refused, warn
 
 
@@ -193,6 +193,12 @@ class Board:
             For a drive of another shape, not finite, above 1, or different within one channel; for a solution
             for transducers at other places or in another order.
         """
+        frame = self._frame(drive)
+        self._warn_of_silence(drive, frame)
+        return frame
+
+    def _frame(self, drive: ArrayLike | Solution) -> bytes:
+        """Return the frame of a drive, as `encode`, without a warning."""
         if isinstance(drive, Solution):
             drive = drive.drive if drive.scene is None else self._fit(drive.scene.array)(drive.drive)
         return self._codec.encode(drive)
@@ -212,15 +218,7 @@ class Board:
 
     def _warn_of_silence(self, drive: ArrayLike | Solution, frame: bytes) -> None:
         """Warn if a frame turns all transducers off although its drive does not."""
-        if frame != self.off_frame:
-            return
-        given = drive.drive if isinstance(drive, Solution) else drive
-        given = numbers("drive", given, None, "give a drive (N,)", kinds="iufc", copy=False)
-        if largest := float(np.abs(given).max()):
-            warn(
-                f"the largest amplitude is {largest:.2g}, which a {self.name} board rounds to 0: "
-                "all transducers are off; solve for board.array"
-            )
+        self._codec.warn_of_silence(drive.drive if isinstance(drive, Solution) else drive, frame)
 
     def decode(self, frame: bytes) -> NDArray[np.complex64]:
         """Return the drive that a frame plays.

@@ -288,7 +288,7 @@ class Connection:
         """Return a drive's frame; rejects drives above the limit and solutions for other transducers."""
         if not isinstance(drive, Solution):
             refuse_real(drive)
-        frame = self.board.encode(drive)
+        frame = self.board._frame(drive)
         if isinstance(drive, Solution) and drive.scale < 1 and not self._warned:
             self._warned = True
             warn_of_scale(drive.scale)

@@ -26,7 +26,7 @@ def write(path: Path, drives: "Played", board: Board | None) -> None:
     fit = board._fit(drives.array or board.array)
     with path.open("wb") as stream:
         for drive in drives:
-            frame = board.encode(fit(drive).astype(np.complex64))
+            frame = board._frame(fit(drive).astype(np.complex64))
             largest = max(largest, drive, key=lambda drive: float(np.abs(drive).max()))
             off = off and frame == board.off_frame
             stream.write(frame)
