@@ -262,7 +262,8 @@ midair_result midair_board_of_session(const char *name,
 // Returns the size of a frame in bytes, for all boards; 0 for NULL.
 size_t midair_board_frame_size(const midair_board *board);
 
-// Writes the frame that makes the boards play a drive of this many transducers; size is midair_board_frame_size().
+// Writes the frame that makes the boards play a drive of this many transducers; size is midair_board_frame_size(). The message
+// warns of a drive so weak that all of it is off.
 midair_result midair_board_encode(const midair_board *board,
                                   const midair_complex *drive,
                                   size_t transducers,

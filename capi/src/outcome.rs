@@ -2,9 +2,8 @@
 
 use std::any::Any;
 use std::cell::Cell;
-use std::ffi::{CString, c_char};
+use std::ffi::c_char;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::LazyLock;
 
 use midair::{ErrorCode, Result};
 
@@ -57,16 +56,24 @@ thread_local! {
     static LAST: Cell<Option<ErrorCode>> = const { Cell::new(None) };
 }
 
-/// The texts of all codes, in their order.
-static CODES: LazyLock<Vec<CString>> =
-    LazyLock::new(|| ErrorCode::ALL.iter().map(|(_, text, _)| CString::new(*text).unwrap_or_default()).collect());
+/// The texts of all codes in their order, each with NUL after it.
+static CODES: [[u8; 32]; ErrorCode::ALL.len()] = {
+    let mut texts = [[0; 32]; ErrorCode::ALL.len()];
+    let mut k = 0;
+    while k < texts.len() {
+        let text = ErrorCode::ALL[k].1.as_bytes();
+        texts[k].split_at_mut(text.len()).0.copy_from_slice(text);
+        k += 1;
+    }
+    texts
+};
 
 /// Returns the code of the error of this thread's last call that can fail, such as "too-near"; an empty text if it did not fail.
 /// docs/errors.md lists all codes. They never change, unlike the words of messages. The text is valid as long as the library is
 /// loaded.
 #[unsafe(no_mangle)]
 pub extern "C" fn midair_last_code() -> *const c_char {
-    LAST.get().map_or(c"".as_ptr(), |code| CODES[code as usize].as_ptr())
+    LAST.get().map_or(c"".as_ptr(), |code| CODES[code as usize].as_ptr().cast())
 }
 
 /// Runs the work of a function. Writes its warnings, its error or its panic to the message.

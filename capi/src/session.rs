@@ -48,7 +48,7 @@ impl State {
 
     /// Makes a session from the text of a scene. Also returns warnings about probable mistakes.
     pub(crate) fn of_scene(text: &str, source: Source<'_>) -> Result<(Self, String)> {
-        if !text.contains(['=', '{', '[']) {
+        if !text.trim().is_empty() && !text.contains(['=', '{', '[']) {
             return Err(Error::new(ErrorCode::Unreadable, "scene", text, "give the text of a scene file, no path"));
         }
         let (scene, moving) =

@@ -70,7 +70,7 @@ static void solve(midair_session *session, size_t call, size_t count)
 static void solve_many(midair_session *session)
 {
     static const char *const scenes[3] = {
-        "signature = \"trap\"\n[array]\ngrid = { nx = 6, ny = 6, pitch = 0.0105 }\n[[points]]\nposition = [0, 0, 0.1]\n",
+        "signature = \"trap\"\n[array]\ngrid = { nx = 6, ny = 6, pitch = 0.0105 }\n[[points]]\nposition = [0, 0, 0.02]\n",
         "[array]\ngrid = { nx = 8, ny = 8, pitch = 0.0105 }\n[[obstacles]]\npoint = [0, 0.1, 0]\nnormal = [0, -1, 0]\n"
         "[[points]]\nposition = [0, 0, 0.1]\n",
         "[array]\ngrid = { nx = 8 }\n"};

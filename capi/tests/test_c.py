@@ -68,7 +68,7 @@ int main() {
     std::string warning;
     midair::Board("sonicsurface", 256).encode(solution.drive, &warning);
     std::printf("%s\\n", warning.c_str());
-    session.solve({{0, 0, 0.001}}, {50});
+    session.solve({{0.005, 0.005, 0.001}}, {50});
     std::printf("%s\\n", session.warning().c_str());
     try {
         session.set("temperature", "warm");
