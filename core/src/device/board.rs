@@ -223,7 +223,7 @@ impl Board {
 
     /// Warns of a drive above 0 whose frame switches every channel off. A board never switches |q| > 1/2 off.
     pub fn mutes(&self, drive: &[Complex32], frame: &[u8]) -> Option<Notice> {
-        let largest = drive.iter().map(|q| q.norm_sqr()).fold(0.0, f32::max);
+        let largest = drive.iter().fold(0.0f32, |most, q| most.max(q.norm_sqr()));
         let cure = "switches all transducers off; multiply the drive, or solve for the board's array";
         (largest > 0.0 && largest <= 0.25 && frame == self.off_frame()).then(|| {
             let value = format!("{:.2}", math::sqrt(f64::from(largest)));
