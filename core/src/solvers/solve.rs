@@ -75,8 +75,8 @@ pub(crate) fn solve_after(
     }
 }
 
-/// Sets the status of a solution that misses its targets; a method that does not continue until they are met may also have run
-/// out of steps.
+/// Sets the status of a solution that misses its targets. A method that does not continue until they are met keeps
+/// [`Status::OutOfSteps`], which says that another number of steps gives another answer.
 fn judge(problem: &Problem, solver: &dyn Solve, solution: &mut Solution) {
     let ended = solver.meets_targets() || solution.status == Status::Done;
     if ended && problem.missed(solver.quiet(), solution).is_some() {
