@@ -80,7 +80,8 @@ def brief(rows: Sequence[Row]) -> str:
         body.append(f"| {rival}, {method} | {speeds} | {sigma} |")
     times = "".join(f" M = {m} |" for m in _SIZES)
     head = [f"| |{times} unevenness, M = {most} |", "|---|" + "---:|" * (len(_SIZES) + 1)]
-    details = f"{first['date']}, {first['cpu']}, one thread, medians of CPU time."
+    version = next(row["version"] for row in rows if row["rival"] == "midair")
+    details = f"{first['date']}, midair {version}, {first['cpu']}, one thread, medians of CPU time."
     return "\n".join([_wrapped(caption), "", *head, *body, "", _wrapped(details)])
 
 

@@ -285,7 +285,7 @@ def try_crate() -> None:
         text = (ROOT / "docs" / "rust.md").read_text("utf-8")
         found = re.search(r"```rust\n(.*?)```", text, re.DOTALL)
         assert found
-        body = found[1].replace("# Ok::<(), midair::Error>(())", "Ok(())")
+        body = found[1].replace("Ok::<(), midair::Error>(())", "Ok(())")
         uses, _, rest = body.partition("\n\n")
         main = f"{uses}\n\nfn main() -> Result<(), midair::Error> {{\n{rest}}}\n"
         (program / "src" / "main.rs").write_text(main, "utf-8")

@@ -28,7 +28,7 @@ pub(crate) const ARGUMENTS: [&str; 7] = ["array", "points", "pressures", "weight
 /// points : (M, 3) array_like
 ///     Points in m.
 /// pressures : float or (M,) array_like, optional
-///     Peak |p| in Pa; 0 means a quiet point. By default all points have the balanced level s, which the array can
+///     Peak |p| in Pa; 0 means a quiet point. By default all points have the balanced level s, about what the array can
 ///     reach together: sum_j (s/p1_j)^2 = 1, p1_j = sum_i |G_ji|. Complex pressures are targets of phase, too, for the
 ///     methods that use phases.
 /// weights : float or (M,) array_like, optional
