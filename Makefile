@@ -87,8 +87,8 @@ outlook:
 	@echo "make test: lint, the core's tests, the package's tests; 18 minutes on two cores, a third of it when built before."
 
 test-rust: ## The core: tests, doctests, each feature set, no_std
-	$(call step,core: tests are compiled (4 min),$(CARGO) test $(SHARED) --no-run)
-	$(call step,core: tests run (4 min),$(CARGO) test --quiet $(SHARED) -- --include-ignored)
+	$(call step,core: tests are compiled (5 min),$(CARGO) test $(SHARED) --no-run)
+	$(call step,core: tests run (3 min),$(CARGO) test --quiet $(SHARED) -- --include-ignored)
 	$(call step,core: feature std (5 s),$(CARGO) check -p midair --no-default-features --features std)
 	$(call step,core: feature parallel (5 s),$(CARGO) check -p midair --no-default-features --features parallel)
 	$(call step,core: a program without std (20 s),$(CARGO) run --quiet --manifest-path core/tests/no_std/Cargo.toml)
