@@ -16,7 +16,7 @@ const EVERYDAY: f64 = 0.75;
 pub struct Reach {
     /// The highest pressure at each point alone (M,) in Pa: `sum_i |G_ji|`.
     pub alone: Vec<f64>,
-    /// The balanced level (M,) in Pa: the pressures, in the ratios of the targets, that the array can give at all points
+    /// The balanced level (M,) in Pa: about the pressures, in the ratios of the targets, that the array can give at all points
     /// together if they are at least a focal width apart. They are s target_j with `sum_j (s target_j/alone_j)^2 = 1`. At
     /// points that are closer together, higher pressures are possible.
     pub level: Vec<f64>,
