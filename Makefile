@@ -9,6 +9,8 @@ BIN := .venv/$(if $(WINDOWS),Scripts,bin)
 PYTHON := $(BIN)/python
 HOST_PYTHON := $(if $(WINDOWS),python,python3)
 export UV_PYTHON_DOWNLOADS := never
+# The tests start hundreds of processes: what one compiles, the others read.
+unexport PYTHONDONTWRITEBYTECODE
 export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
 CORE := -p midair --no-default-features --features scene-file,parallel
@@ -88,15 +90,15 @@ outlook:
 
 test-rust: ## The core: tests, doctests, each feature set, no_std
 	$(call step,core: tests are compiled (5 min),$(CARGO) test $(SHARED) --no-run)
-	$(call step,core: tests run (3 min),$(CARGO) test --quiet $(SHARED) -- --include-ignored)
-	$(call step,core: feature std (5 s),$(CARGO) check -p midair --no-default-features --features std)
-	$(call step,core: feature parallel (5 s),$(CARGO) check -p midair --no-default-features --features parallel)
-	$(call step,core: a program without std (20 s),$(CARGO) run --quiet --manifest-path core/tests/no_std/Cargo.toml)
+	$(call step,core: tests run (2 min),$(CARGO) test --quiet $(SHARED) -- --include-ignored --skip at_length)
+	$(call step,core: a program without std and features std and parallel (20 s),\
+		{ $(CARGO) run --quiet --manifest-path core/tests/no_std/Cargo.toml & \
+		for feature in std parallel; do $(CARGO) check -p midair --no-default-features --features $$feature || exit; done; wait $$!; })
 
 test-python: .venv/extension ## The package: tests, stubs, types
-	$(call step,package: tests (8 min),$(PYTHON) -m pytest --numprocesses auto --dist loadgroup)
-	$(call step,package: stubs against the extension (20 s),$(PYTHON) -m mypy.stubtest midair._midair)
-	$(call step,package: types (20 s),$(PYTHON) -m mypy python/midair)
+	$(call step,package: tests (8 min),$(PYTHON) -m pytest --numprocesses auto --dist worksteal)
+	$(call step,package: types and stubs against the extension (30 s),\
+		{ $(PYTHON) -m mypy.stubtest midair._midair & $(PYTHON) -m mypy python/midair && wait $$!; })
 
 test-capi: setup capi ## The C library: header, same bits as the package, refusals, memory, examples in C and C++
 	$(call step,C library: header and unit tests (2 min),$(CARGO) test --quiet -p midair-capi)
@@ -124,6 +126,7 @@ test-serve: setup ## Points of other programs: 1,000,000 histories of signs of l
 test-long: .venv/extension ## What takes too long for make test, and Ctrl-C at 20 moments of every long call (30 min, quiet computer)
 	$(call step,core: the steps of docs/extending.md on a copy (1 min),core/tests/extending.sh)
 	$(call step,all crates: the oldest Rust (1 min),core/tests/minimum.sh)
+	$(call step,core: tests of minutes (3 min),$(CARGO) test --quiet $(SHARED) -- --ignored at_length)
 	$(call step,package: tests of minutes (3 min),MIDAIR_SLOW=1 $(PYTHON) -m pytest -m long)
 	$(call step,package: Ctrl-C (25 min),MIDAIR_SLOW=1 $(PYTHON) -m pytest python/tests/test_ctrl_c.py)
 

@@ -59,6 +59,23 @@ def book(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], ModuleType]:
 
 
 @pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, str]]:
+    """Returns a function that runs the command line in this process:
+    exit status, standard output, standard error.
+    """
+    from midair import _cli as cli
+
+    def run(*arguments: object) -> tuple[int, str, str]:
+        with pytest.raises(SystemExit) as left:
+            cli.main([str(argument) for argument in arguments])
+        out, err = capsys.readouterr()
+        assert "Traceback" not in out + err
+        return left.value.code, out, err
+
+    return run
+
+
+@pytest.fixture
 def kept(request: pytest.FixtureRequest, tmp_path: Path) -> Callable[..., None]:
     """Returns a function that compares a test's errors with refusals/ (MIDAIR_REFUSALS=write stores them).
     Of an exception, its code is compared, too.

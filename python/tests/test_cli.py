@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 import midair
-from midair import _cli as cli
 from midair._cli import progress, solve
 from scenes import METRICS, numbers, same_bits
 
@@ -49,21 +48,6 @@ Run = Callable[..., tuple[int, str, str]]
 def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("scene.toml").write_text(SCENE, "utf-8")
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    """Returns a function that runs the command line in this process:
-    exit status, standard output, standard error.
-    """
-
-    def run(*arguments: object) -> tuple[int, str, str]:
-        with pytest.raises(SystemExit) as left:
-            cli.main([str(argument) for argument in arguments])
-        out, err = capsys.readouterr()
-        return left.value.code, out, err
-
-    return run
 
 
 def midair_process(*arguments: str) -> subprocess.CompletedProcess[str]:

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import midair
-from midair import _cli as cli
 from scenes import METRICS
 
 AT = ["--at", "0,0,0.15", "--at", "-0.02,0,0.15"]
@@ -23,20 +22,6 @@ Run = Callable[..., tuple[int, str, str]]
 @pytest.fixture(autouse=True)
 def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    """Returns a function that runs the command line in this process:
-    exit status, standard output, standard error.
-    """
-
-    def run(*arguments: object) -> tuple[int, str, str]:
-        with pytest.raises(SystemExit) as left:
-            cli.main([str(argument) for argument in arguments])
-        return left.value.code, *capsys.readouterr()
-
-    return run
 
 
 def test_the_line_that_solves_a_new_scene_can_be_typed(run: Run) -> None:

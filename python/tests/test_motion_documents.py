@@ -2,8 +2,7 @@
 
 import json
 import re
-import subprocess
-import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +12,8 @@ import midair
 from midair._cli import play
 from midair._midair import Motion
 from midair._sequence.solve import motion_of, solve_motion
+
+Run = Callable[..., tuple[int, str, str]]
 
 SCENE = """[array]
 preset = "autd3"
@@ -36,11 +37,6 @@ FRAMES = "[array]\npreset = 'autd3'\n\n[motion]\nrate = 1000\nfile = 'frames.csv
 HEADER = "frame,point,x,y,z\n"
 
 
-def command(*arguments: str) -> subprocess.CompletedProcess[str]:
-    run = [sys.executable, "-m", "midair", *arguments]
-    return subprocess.run(run, capture_output=True, encoding="utf-8", check=False)
-
-
 def read(folder: Path, text: str, name: str = "scene.toml") -> Motion:
     (folder / name).write_text(text, "utf-8")
     found = motion_of(folder / name)
@@ -48,14 +44,14 @@ def read(folder: Path, text: str, name: str = "scene.toml") -> Motion:
     return found
 
 
-def drives(folder: Path, text: str) -> tuple[np.ndarray, np.ndarray]:
+def drives(folder: Path, text: str, run: Run) -> tuple[np.ndarray, np.ndarray]:
     """Returns the drives that `midair play` sends, and those that `midair motion` writes."""
     scene, solved = folder / "scene.toml", folder / "solved.npz"
     scene.write_text(text, "utf-8")
     played = play._thing(scene, None, lambda array: midair.Board("autd3", array))
     assert isinstance(played, midair.Sequence)
-    run = command("motion", str(scene), "--output", str(solved))
-    assert run.returncode == 0, run.stderr
+    status, _, err = run("motion", scene, "--output", solved)
+    assert status == 0, err
     written = midair.read(solved)
     assert isinstance(written, midair.Sequence)
     solved.unlink()
@@ -63,28 +59,28 @@ def drives(folder: Path, text: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.slow
-def test_play_and_motion_play_the_same_drives(tmp_path: Path) -> None:
-    played, solved = drives(tmp_path, SCENE)
+def test_play_and_motion_play_the_same_drives(run: Run, tmp_path: Path) -> None:
+    played, solved = drives(tmp_path, SCENE, run)
     np.testing.assert_array_equal(played, solved)
     # `aim` reaches the solver: the drive is full, although the pressures need only a part of it.
     assert np.abs(played).max() == pytest.approx(1)
     # This low level lies between two amplitudes of the board: `glide` takes the lower one, and reports a
     # miss.
     with pytest.warns(midair.SceneWarning, match="missed by"):
-        quiet, _ = drives(tmp_path, SCENE.replace('aim = "max"\n', ""))
+        quiet, _ = drives(tmp_path, SCENE.replace('aim = "max"\n', ""), run)
     assert np.abs(quiet).max() < 0.1
 
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:point 1 takes:midair.SceneWarning")  # a weak trap on a fast circle
-def test_play_and_motion_play_the_same_traps(tmp_path: Path) -> None:
+def test_play_and_motion_play_the_same_traps(run: Run, tmp_path: Path) -> None:
     text = 'signature = "trap"\n' + SCENE
-    played, solved = drives(tmp_path, text)
+    played, solved = drives(tmp_path, text, run)
     np.testing.assert_array_equal(played, solved)
     moving = read(tmp_path, text)
     sequence = midair.sequence(moving.scene.array, moving.path, rate=1000, change=0.5, signature="trap", aim="max")
     np.testing.assert_array_equal(played, sequence.drives)
-    assert not np.array_equal(played, drives(tmp_path, SCENE)[0])
+    assert not np.array_equal(played, drives(tmp_path, SCENE, run)[0])
 
 
 def test_frames_are_read_by_the_names_of_their_columns(tmp_path: Path) -> None:
@@ -158,18 +154,18 @@ def test_a_file_that_is_not_there_is_named_once(tmp_path: Path) -> None:
         ("a.json", "[" * 100000, "too deep"),
     ],
 )
-def test_a_mistake_is_reported_in_its_own_line(tmp_path: Path, name: str, text: str, fault: str) -> None:
+def test_a_mistake_is_reported_in_its_own_line(run: Run, tmp_path: Path, name: str, text: str, fault: str) -> None:
     (tmp_path / name).write_text(text, "utf-8")
     with pytest.raises(midair.SceneError) as refusal:
         motion_of(tmp_path / name)
     assert fault in str(refusal.value), refusal.value
     assert str(refusal.value).count(name) == 1
     for verb in ("motion", "solve", "compare"):
-        run = command(verb, str(tmp_path / name))
-        assert run.returncode == 2
-        assert run.stderr.startswith("error: ")
-        assert "fault of midair" not in run.stderr
-        assert len(run.stderr.splitlines()) == 1
+        status, _, err = run(verb, tmp_path / name)
+        assert status == 2
+        assert err.startswith("error: ")
+        assert "fault of midair" not in err
+        assert len(err.splitlines()) == 1
 
 
 @pytest.mark.parametrize(
@@ -203,11 +199,10 @@ def test_json_and_toml_of_one_motion_are_the_same(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_scene_that_rests_is_no_motion(tmp_path: Path) -> None:
+def test_a_scene_that_rests_is_no_motion(run: Run, tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text("[array]\npreset = 'autd3'\n[[points]]\nposition = [0, 0, 0.15]\n", "utf-8")
     assert motion_of(tmp_path / "a.toml") is None
-    run = command("motion", str(tmp_path / "a.toml"))
-    assert "has no [motion]" in run.stderr
+    assert "has no [motion]" in run("motion", tmp_path / "a.toml")[2]
 
 
 def test_a_focus_that_stays_is_a_path_of_a_file(tmp_path: Path) -> None:

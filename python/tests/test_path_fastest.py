@@ -178,15 +178,12 @@ def test_a_bead_is_as_near_its_point_as_at_a_constant_speed(name: str) -> None:
     assert far[0] < min(1.05 * far[1], 0.8e-3)
 
 
-QUICK = {("circle", False), ("square", True)}
-
-
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize(
     ("name", "level"),
     [
-        pytest.param(name, level, marks=[] if (name, level) in QUICK else pytest.mark.long)
+        pytest.param(name, level, marks=[] if (name, level) == ("square", True) else pytest.mark.long)
         for name in closed_curves()
         for level in (False, True)
     ],
@@ -262,7 +259,7 @@ def test_the_record_has_each_shape_of_the_paper_at_its_rate() -> None:
 # A margin is a part of the trap's force. For a bead of 1 mm this is .75 of Gor'kov's, by which the margins of
 # the same rates were .115 and .394.
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "margin"), [("heart", 0.147), ("flower", 0.5)])
+@pytest.mark.parametrize(("name", "margin"), [("heart", 0.147), pytest.param("flower", 0.5, marks=pytest.mark.long)])
 def test_shapes_of_the_paper_fly_at_its_rate(name: str, margin: float) -> None:
     found = shapes.flown(name, midair.Array.preset("openmpd_pair"), margin)
     assert found["held"]

@@ -17,7 +17,6 @@ import pytest
 import methods
 import midair
 import oracle
-from midair import _cli as cli
 from midair._reproduce import FIGURES, fig3, fig5, fig7, reproduce, scenes, tables
 from midair._reproduce.scenes import CURVES, PANELS
 from midair._reproduce.tables import Run
@@ -51,8 +50,7 @@ def everything(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("everything")
-def test_every_figure_has_its_files(everything: Path) -> None:
+def test_every_figure_has_its_files_and_every_statement_its_verdict(everything: Path) -> None:
     for name in FIGURES:
         assert (everything / f"{name}.png").read_bytes().startswith(b"\x89PNG")
         assert "</svg>" in (everything / f"{name}.svg").read_text("utf-8")
@@ -61,11 +59,6 @@ def test_every_figure_has_its_files(everything: Path) -> None:
         assert rows
         assert not [text for row in rows for text in row.values() if text in ("", "nan", "inf")]
     assert not [path for path in everything.iterdir() if path.name.endswith(".part")]
-
-
-@pytest.mark.slow
-@pytest.mark.xdist_group("everything")
-def test_every_statement_is_judged_with_its_numbers(everything: Path) -> None:
     rows = tables.read(everything / "verdicts.csv")
     reported = {figure: [row["statement"] for row in rows if row["figure"] == figure] for figure in FIGURES}
     assert [len(reported[figure]) for figure in ("fig2", "fig6", "fig7")] == [1, 2, 5]
@@ -75,12 +68,7 @@ def test_every_statement_is_judged_with_its_numbers(everything: Path) -> None:
     for row in rows:
         assert row["verdict"] in {"holds", "holds in part", "does not hold"}
         assert any(letter.isdigit() for letter in row["evidence"]), row
-
-
-@pytest.mark.slow
-@pytest.mark.xdist_group("everything")
-def test_what_needs_no_luck_holds_with_three_trials(everything: Path) -> None:
-    rows = tables.read(everything / "verdicts.csv")
+    # What needs no luck holds with three trials.
     found = {row["statement"]: row["verdict"] for row in rows}
     for words in (
         "SDP+BCD loses points",
@@ -209,20 +197,9 @@ def test_verdicts_follow_the_numbers(everything: Path) -> None:
 Command = Callable[..., tuple[int, str, str]]
 
 
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]) -> Command:
-    def run(*arguments: object) -> tuple[int, str, str]:
-        with pytest.raises(SystemExit) as left:
-            cli.main(["reproduce", *map(str, arguments)])
-        out, err = capsys.readouterr()
-        return left.value.code, out, err
-
-    return run
-
-
 @pytest.mark.slow
 def test_the_command_prints_the_verdicts(run: Command, tmp_path: Path) -> None:
-    status, out, err = run("fig7", "--trials", 2, "--output", tmp_path)
+    status, out, err = run("reproduce", "fig7", "--trials", 2, "--output", tmp_path)
     assert (status, err) == (0, "")
     assert out.count("holds") >= 5
     assert names(tmp_path) >= {"fig7.png", "fig7.svg", "fig7.csv", "fig7-fields.csv", "verdicts.csv"}
@@ -243,7 +220,7 @@ def test_bad_requests_are_one_line(run: Command, tmp_path: Path) -> None:
         (["fig3", "--output", tmp_path / "out", "--scheduler", "tcp://127.0.0.1:9"], "does not answer"),
         (["fig3", "--output", tmp_path / "out", "--scheduler", "nonsense:word"], "does not answer"),
     ):
-        status, out, err = run(*arguments)
+        status, out, err = run("reproduce", *arguments)
         assert (status, out, err.count("\n")) == (2, "", 1), err
         assert words in err
     assert names(tmp_path) <= {"file", "out"}

@@ -10,7 +10,6 @@ import pytest
 import zarr
 
 import midair
-from midair import _cli as cli
 from midair._sweep import table as files
 from sweeps import REQUESTED, TOML, changed
 
@@ -21,17 +20,6 @@ def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 
 Run = Callable[..., tuple[int, str, str]]
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    def run(*arguments: str) -> tuple[int, str, str]:
-        with pytest.raises(SystemExit) as left:
-            cli.main(arguments)
-        out, err = capsys.readouterr()
-        return left.value.code, out, err
-
-    return run
 
 
 def test_the_command_writes_what_python_gives(run: Run) -> None:
