@@ -18,7 +18,7 @@ EMULATOR = "autd3:emulator"
 
 #: Time in s to wait for the acknowledgement of a step; largest number of repetitions without one.
 ACKNOWLEDGED = 0.02
-RETRIES = 5
+RETRIES = 14
 #: When a board is lost, the step that turns all boards off is sent twice, because a datagram may get lost.
 TWICE = 2
 #: Time in s between two keep-alive datagrams. Boards that do not answer for LOST s count as lost and mute
@@ -112,7 +112,7 @@ class Link:
             if len(replies) == self._boards:
                 return [replies[unit] for unit in range(self._boards)]
         missing = min(set(range(self._boards)) - set(replies))
-        raise self._lost(f"board {missing} did not reply within {1000 * ACKNOWLEDGED:g} ms", ELSEWHERE)
+        raise self._lost(f"board {missing} did not reply within {1000 * (1 + RETRIES) * ACKNOWLEDGED:g} ms", ELSEWHERE)
 
     def _exchange(self, units: Collection[int], step: Step | None = None) -> dict[int, _Reply]:
         """Send a step, or a keep-alive if `step` is None; return (status, data) of the boards that reply."""
