@@ -54,7 +54,7 @@ await withSite(async ({ browser, url, visit }) => {
     if (!all) continue;
     await shoot(`${name}-64-points`, options, (page) => page.evaluate((points) => window.midair.set({ points }), many));
     await shoot(`${name}-path`, options, play);
-    for (let k = 0; k < 8; k += 1) await shoot(`${name}-gallery-${k + 1}`, options, (page) => choose(page, k));
+    for (let k = 0; k < 10; k += 1) await shoot(`${name}-gallery-${k + 1}`, options, (page) => choose(page, k));
   }
   if (all) await shoot("huge", { viewport: { width: 3840, height: 2160 } });
 });

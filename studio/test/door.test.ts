@@ -53,11 +53,11 @@ test("a drive that is loaded with its scale is as loud as the answer was", () =>
   const { drive, scale, metrics, pressures } = door.solve();
   expect(scale).toBeLessThan(0.5);
   door.load(drive, scale);
-  expect(door.judge().level).toBeCloseTo(metrics.level, 4);
+  expect(door.judge().metrics.level).toBeCloseTo(metrics.level, 4);
   const { pressure } = door.probe([0, 0, 0.15]);
   expect(Math.hypot(...pressure) / Math.hypot(...pressures[0])).toBeCloseTo(1, 3);
   door.load(drive);
-  expect(door.judge().level * scale).toBeCloseTo(metrics.level, 4);
+  expect(door.judge().metrics.level * scale).toBeCloseTo(metrics.level, 4);
 });
 
 test("no drive exceeds the bound", () => {
@@ -154,4 +154,20 @@ test("boards at a serial port, by the arrays that they play", () => {
   const restarts = (preset: string) => boardOf(catalogue, preset)?.restarts;
   expect(["sonicsurface_pair", "ultraino_flat8x8"].map(restarts)).toEqual([false, true]);
   expect(["autd3", "openmpd_pair", "nothing"].map(baud)).toEqual([undefined, undefined, undefined]);
+});
+
+test("a trap that moves has the pressure that it has at rest, around its point", () => {
+  const array = { preset: "openmpd_pair" };
+  const points = [[-0.02, 0, 0], [0.02, 0.01, 0]];
+  for (const [signature, dark] of [["trap", 2], [["trap", "focus"], 1]] as const) {
+    door.open(JSON.stringify({ array, points: points.map((position) => ({ position })), signature, solver: { name: "glide", rate: 1000 } }));
+    const rest = Math.min(...door.solve().pressures.map((p) => Math.hypot(...p)));
+    const frames = 20;
+    const circle = Array.from({ length: frames }, (_, t) => (2 * Math.PI * t) / frames);
+    const places = circle.flatMap((turn) => points.flatMap(([x, y, z]) => [x + 2e-4 * Math.cos(turn), y, z + 2e-4 * Math.sin(turn)]));
+    for (const { least } of door.follow(Float64Array.from(places), frames)) expect(Math.abs(least / rest - 1)).toBeLessThan(0.1);
+    door.load(door.frame(0));
+    expect(Math.abs(Math.min(...door.judge().pressures.map((p) => Math.hypot(...p))) / rest - 1)).toBeLessThan(0.1);
+    expect(points.filter((_, k) => Math.hypot(...door.field(Float64Array.from(points[k]))) < 0.2 * rest)).toHaveLength(dark);
+  }
 });

@@ -4,10 +4,10 @@ import { MOST_POINTS } from "../src/state/initial.ts";
 import { readLink, writeLink } from "../src/state/link.ts";
 import { sceneOf, stateOf } from "../src/state/scene_file.ts";
 
-test("there are eight scenes of different names", () => {
-  expect(gallery).toHaveLength(8);
+test("there are ten scenes of different names", () => {
+  expect(gallery).toHaveLength(10);
   for (const language of [0, 1]) {
-    expect(new Set(gallery.map(({ name }) => name[language])).size).toBe(8);
+    expect(new Set(gallery.map(({ name }) => name[language])).size).toBe(10);
     expect(gallery.every(({ line }) => /^.{10,110}$/.test(line[language]))).toBe(true);
   }
 });

@@ -48,9 +48,12 @@ test("64 points are at most 1.3 kB", () => {
 });
 
 test("an array of one's own is written", () => {
-  const bowl = { name: "bowl", positions: [[0, 0, 0]] as Vec3[], normals: [[0, 0, 1]] as Vec3[] };
+  const bowl = { name: "bowl", positions: [[0, 0, 0]] as Vec3[], normals: [[1, 0, 0]] as Vec3[] };
   const masked = { preset: "autd3", tiles: [1, 1] as [number, number], parts: { mask: [true] } };
   for (const array of [bowl, masked]) expect(() => readLink(writeLink({ ...initial, array }))).toThrow(`a is "own": an array of one's own is in no link, load its file`);
+  const two = { name: "array", positions: [[-0.017, 0, 0], [0.017, 0, 0.001]] as Vec3[], normals: [[0, 0, 1], [0, 0, 1]] as Vec3[] };
+  expect(writeLink({ ...initial, array: two })).toContain("&a=-17,0,0_17,0,1&");
+  expect(readLink(writeLink({ ...initial, array: two })).array).toEqual(two);
 });
 
 const many = (count: number, each: string) => Array.from({ length: count }, () => each).join("_");

@@ -512,14 +512,14 @@ impl Problem {
     /// # Errors
     /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6, two different drives on one channel; a stop.
     pub fn judge(&self, drive: &[Complex32], precision: Precision, control: &mut Control) -> Result<Metrics> {
-        let drive = self.setup().columns(drive, self.propagation().transducers())?;
         match precision {
             Precision::Single => {
+                let drive = self.setup().columns(drive, self.propagation().transducers())?;
                 let work = Workspace::new();
                 let field = field_of(self.propagation(), &drive, &work, control)?;
                 Ok(self.metrics_of(field.re.iter().zip(&field.im)))
             }
-            Precision::Double => self.judge_exactly(&drive, control),
+            Precision::Double => Ok(self.targets.metrics(self.pressures(drive, control)?.iter().map(|p| p.norm()))),
         }
     }
 
@@ -533,19 +533,23 @@ impl Problem {
         Metrics::of(field.zip(active).map(point))
     }
 
-    /// Returns the metrics of a drive, one value for each column of the propagation matrix G, in double precision.
-    fn judge_exactly(&self, drive: &[Complex32], control: &mut Control) -> Result<Metrics> {
+    /// Returns the pressures (M,) in Pa of a drive (N,) at the caller's points, in double precision. With a signature they are
+    /// those of its foci, as in a solution.
+    ///
+    /// # Errors
+    /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6, two different drives on one channel; a stop.
+    pub fn pressures(&self, drive: &[Complex32], control: &mut Control) -> Result<Vec<Complex64>> {
+        let drive = self.setup().columns(drive, self.propagation().transducers())?;
         let all = &self.targets.propagation;
         let wide = |q: Complex32| Complex64::new(f64::from(q.re), f64::from(q.im));
-        let mut pressures = vec![0.0; all.points()];
-        for (j, pressure) in pressures.iter_mut().enumerate() {
+        let pressure = |j: usize| {
             let mut sum = Complex64::ZERO;
             for (i, &q) in drive.iter().enumerate() {
                 control.pulse()?;
                 sum += all.exact(j, i) * wide(q);
             }
-            *pressure = sum.norm();
-        }
-        Ok(self.targets.metrics(pressures.iter().copied()))
+            Ok(sum)
+        };
+        (0..all.points()).map(pressure).collect()
     }
 }

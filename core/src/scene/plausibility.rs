@@ -190,8 +190,10 @@ fn extent(array: &Array, medium: Medium) -> Option<Notice> {
         if let Some(notice) = overlapping(array, &neighbours) {
             return Some(notice);
         }
-        if neighbours.pair(far, |_, _| true).is_none() {
-            return Some(reported(None, distance(places[0], places[1]), "no neighbours within five wavelengths"));
+        // Two or three sources may be anywhere, unless another unit explains their distance.
+        let (length, few) = (distance(places[0], places[1]), places.len() <= 3);
+        if neighbours.pair(far, |_, _| true).is_none() && !(few && metres(length, usual) == "give m") {
+            return Some(reported(None, length, "no neighbours within five wavelengths"));
         }
     }
     array.doubt()

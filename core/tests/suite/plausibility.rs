@@ -101,9 +101,7 @@ fn neighbours_are_found_wherever_they_lie() {
         )
     };
     for axis in 0..3 {
-        for (distance, expected) in
-            [(0.0, "nearer"), (0.9 / 20.0, "nearer"), (1.1 / 20.0, ""), (4.9, ""), (5.1, "no neighbours")]
-        {
+        for (distance, expected) in [(0.0, "nearer"), (0.9 / 20.0, "nearer"), (1.1 / 20.0, ""), (4.9, "")] {
             let mut apart = [0.0; 3];
             apart[axis] = distance * air.wavelength();
             let texts = two(apart);
@@ -111,6 +109,12 @@ fn neighbours_are_found_wherever_they_lie() {
             assert!(texts.iter().all(|text| text.contains(expected)), "{distance} along {axis}: {texts:?}");
         }
     }
+    // Four transducers have neighbours. Two loudspeakers may be anywhere, unless their places are in mm.
+    let four = |apart: f64| positions((0..4).map(|k| [apart * f64::from(k), 0.0, 0.0]).collect());
+    assert!(reported(four(4.9 * air.wavelength()), air, points(), None).is_empty());
+    assert!(reported(four(5.1 * air.wavelength()), air, points(), None)[0].contains("no neighbours"));
+    assert!(two([0.087, 0.0, 0.0]).is_empty());
+    assert!(two([8.7, 0.0, 0.0])[0].ends_with("give m (8.7 mm are 0.0087 m), or unit=\"mm\""));
     // One mistake among many positions, and very large arrays, are found fast.
     let mut many = grid(0.01).positions().to_vec();
     many.push([0.0051, 0.0049, 0.0]);

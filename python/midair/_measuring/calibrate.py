@@ -1,6 +1,7 @@
 """`midair.calibrate`: responses of an array from readings of microphones."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Array, Scene, memory_limit, numbers, stated
 from .._support.arguments import SMALLEST, callback, number, refused, sized, warn, whole
-from .fit import LOUDNESS, Complex, Fitted, Model, Priors, Real, robust
+from .fit import LOUDNESS, Complex, Fitted, Model, Priors, Real, fit, robust
 from .result import Calibration
 
 #: Readings are rejected as clipped if at least 4 readings of a microphone, and 1 % of all, equal its maximum.
@@ -262,7 +263,7 @@ def calibrate(
         cure = "its mask or responses of 0 hold them all off"
         raise stated("array", "has no transducer that was played", cure)
     played = played * array.mask
-    found = robust(model, played, received, believed, spread, least, progress or (lambda *_: None))
+    found = robust(partial(fit, model, played, received, believed, spread, least, progress or (lambda *_: 0)), received)
     return _result(scene, model, found, believed, played, received)
 
 

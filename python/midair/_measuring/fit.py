@@ -1,7 +1,6 @@
 """Fit of responses, sound speed and places to readings: Levenberg-Marquardt with falling noise."""
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -331,22 +330,13 @@ class Place(NamedTuple):
         return float(np.vdot(self.residuals, self.residuals).real)
 
 
-def robust(
-    model: Model,
-    drives: Complex,
-    readings: Real | Complex,
-    believed: Real,
-    prior: float | None,
-    noise: float,
-    progress: Callable[[int, int], object],
-) -> Fitted:
-    """Fit, leave out the outliers, and fit again until the outliers do not change. See `fit`.
+def robust(fitted: Callable[[NDArray[np.bool_]], Fitted], readings: Real | Complex) -> Fitted:
+    """Fit, leave out the outliers, and fit again until the outliers do not change. `fitted` is `fit` of what is used.
 
     An outlier is OUTLYING standard deviations from the model. The standard deviation is estimated by the
     median distance of all readings. With too many outliers the model must be wrong; then all readings are
     used.
     """
-    fitted = partial(fit, model, drives, readings, believed, prior, noise, progress)
     used = np.ones(readings.shape, bool)
     first = found = fitted(used)
     # Median modulus of a normally distributed complex or real number, relative to the standard deviation of

@@ -1,7 +1,7 @@
 //! Opened: a scene that was read, with its model and the session of its solver.
 
 use midair::files::{self, Format, Provenance, Source};
-use midair::{Control, Error, InstructionSet, Model, Moving, Problem, Result, Scene, Session, SolveRequest};
+use midair::{Complex32, Control, Error, InstructionSet, Model, Moving, Problem, Result, Scene, Session, SolveRequest};
 
 /// A scene and its session.
 pub(crate) struct Opened {
@@ -36,6 +36,19 @@ impl Opened {
         self.scene = self.scene.clone().with_points(points, request)?;
         self.ask = SolveRequest::of_scene(&self.scene);
         Ok(())
+    }
+
+    /// Returns |p| of a drive at points with these targets; for a trap, that of its foci around the point.
+    pub(crate) fn moduli(&self, drive: &[Complex32], points: &[[f64; 3]], targets: Option<&[f64]>) -> Result<Vec<f64>> {
+        let control = &mut Control::none();
+        if self.scene.signature().is_none() || drive.iter().all(|&q| q == Complex32::ZERO) {
+            let field = midair::field(&self.model, drive, points, control)?;
+            return Ok(field.iter().map(|p| f64::from(p.norm())).collect());
+        }
+        let mut request = self.scene.request().clone();
+        request.pressures = targets.map(<[f64]>::to_vec).or(request.pressures);
+        let problem = Problem::of_model(&self.model, points, &request, control)?;
+        Ok(problem.pressures(drive, control)?.iter().map(|p| p.norm()).collect())
     }
 
     /// Returns the scene as the command line writes it. A motion has no other text than its own.

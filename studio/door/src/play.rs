@@ -54,18 +54,17 @@ impl Studio {
 
     /// Keeps solved frames, points (T, M, 3) with targets (T, M), and reports on each.
     fn keep(&mut self, drives: Vec<Complex32>, places: Vec<[f64; 3]>, targets: Option<&[f64]>) -> Result<()> {
-        let Opened { model, scene, .. } = self.opened()?;
-        let (count, transducers) = (scene.points().len(), scene.array().len());
+        let opened = self.opened()?;
+        let (count, transducers) = (opened.scene.points().len(), opened.scene.array().len());
         let mut reported = Vec::new();
         let mut before: Option<&[Complex32]> = None;
         for (frame, (drive, points)) in drives.chunks(transducers).zip(places.chunks(count)).enumerate() {
             let turned = before.map_or(0.0, |before| change(before, drive));
-            let pressures = midair::field(model, drive, points, &mut Control::none())?;
-            let moduli = pressures.iter().map(|p| f64::from(p.norm()));
-            let there = |j: usize| targets.is_none_or(|targets| targets[frame * count + j] > 0.0);
-            let least =
-                moduli.clone().enumerate().filter(|&(j, _)| there(j)).fold(f64::INFINITY, |least, (_, p)| least.min(p));
-            reported.extend([turned, least, moduli.fold(0.0, f64::max)]);
+            let targets = targets.map(|targets| &targets[frame * count..][..count]);
+            let moduli = opened.moduli(drive, points, targets)?;
+            let there = |j: &usize| targets.is_none_or(|targets| targets[*j] > 0.0);
+            let least = (0..count).filter(there).fold(f64::INFINITY, |least, j| least.min(moduli[j]));
+            reported.extend([turned, least, moduli.iter().copied().fold(0.0, f64::max)]);
             before = Some(drive);
         }
         (self.numbers, self.frames, self.places, self.course) = (reported, drives, places, None);

@@ -139,8 +139,10 @@ impl Studio {
 
     pub(crate) fn judge(&mut self) -> Result<()> {
         let problem = self.opened()?.problem()?;
-        let metrics = problem.judge(&played(&self.drive, self.scale), Precision::Double, &mut Control::none())?;
-        self.numbers = metrics.values().to_vec();
+        let (drive, control) = (played(&self.drive, self.scale), &mut Control::none());
+        self.numbers = problem.judge(&drive, Precision::Double, control)?.values().to_vec();
+        let exact = problem.pressures(&drive, control)?.into_iter();
+        self.pressures = exact.map(|p| Complex32::new(p.re as f32, p.im as f32)).collect();
         Ok(())
     }
 

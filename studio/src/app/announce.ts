@@ -33,7 +33,7 @@ export function announceChanges({ studio, listen, announce, say }: Context): voi
     for (const [key, [word, text]] of Object.entries(SAID)) {
       const part = (of: State) => JSON.stringify(of[key as keyof State]);
       const moved = key === "points" && before.points.length === state.points.length;
-      if (!moved && part(state) !== part(before)) announce(`${say(word)}: ${text(state)}`);
+      if (!moved && part(state) !== part(before)) announce(`${say(word)}: ${key === "level" ? say(state.level) : text(state)}`);
     }
     before = state;
   });

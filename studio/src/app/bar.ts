@@ -13,7 +13,7 @@ import type { Word } from "./words.ts";
 export interface Deeds {
   language(): void;
   theme(): void;
-  picture(ending: "png" | "svg"): void;
+  picture(ending: "png" | "svg", plain?: boolean): void;
 }
 
 const LOGO =
@@ -44,7 +44,8 @@ export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): 
   });
   const share = async () => {
     history.replaceState(null, "", `#${writeLink(studio.view.state)}`);
-    const { href } = location;
+    const { href, hostname } = location;
+    context.alarm(/[#&]a=own(&|$)/.test(href) ? say("linkLacks") : /^(127\.|localhost$)/.test(hostname) ? say("linkLocal") : "");
     if (!matchMedia("(hover: none)").matches || !navigator.share) return context.copy(shared, href);
     await navigator.share({ title: document.title, url: href }).catch(() => undefined);
   };
@@ -69,6 +70,7 @@ export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): 
     button(say("exportScene"), () => void exportScene(context).catch(report)),
     button(say("exportDrive"), () => void exportDrive(context, studio.view.state.slot).catch(report)),
     button(say("exportPicture"), () => deeds.picture("png")),
+    button(say("exportPlain"), () => deeds.picture("png", true)),
     button(say("exportDrawing"), () => deeds.picture("svg")),
     button(say("language"), deeds.language),
     button(say("theme"), deeds.theme),

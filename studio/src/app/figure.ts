@@ -40,9 +40,10 @@ export const drawSlice = (canvas: HTMLCanvasElement, lattice: Lattice, look: Loo
 
 /**
  * Returns the figure of the current view. `canvas` is the page's canvas, painted just before, `box` the 3-D view in it (px of
- * the canvas).
+ * the canvas). A plain one is the shown slice alone, as on paper: in light colours, with rings but without numbers.
  */
-export function figure({ studio, say, engine }: Context, look: Look, root: HTMLElement, { canvas, box }: Part): string {
+export function figure({ studio, say, engine }: Context, colours: Look, root: HTMLElement, { canvas, box }: Part, plain = false): string {
+  const look: Look = plain ? { ...colours, theme: "light" } : colours;
   const { view } = studio;
   const { state } = view;
   const style = getComputedStyle(root);
@@ -68,10 +69,13 @@ export function figure({ studio, say, engine }: Context, look: Look, root: HTMLE
     const points = (view.frame?.results[slot] && view.frame.points) || state.points;
     const rings = points.map((point, k) => {
       const [aside, above] = onPlane(plane, point);
+      if (Math.max(Math.abs(aside - 0.5), Math.abs(above - 0.5)) > 0.5) return "";
       const [left, top] = [x + SIDE * aside, y + SIDE * (1 - above)];
-      const ring = `<circle cx="${left}" cy="${top}" r="7" fill="none" stroke="#fff"/>`;
-      return Math.max(Math.abs(aside - 0.5), Math.abs(above - 0.5)) > 0.5 ? "" : ring + text(left + 9, top - 5, String(k + 1), 'fill="#fff"');
+      const ring = (ink: string, width: number) => `<circle cx="${left}" cy="${top}" r="7" fill="none" stroke="${ink}" stroke-width="${width}"/>`;
+      const number = text(left + 9, top - 5, String(k + 1), 'fill="#fff" stroke="#000" stroke-width="2" paint-order="stroke"');
+      return ring("#000", 3) + ring("#fff", 1) + (plain ? "" : number);
     });
+    if (plain) return [picture(copy, x, y, SIDE, SIDE), ...rings].join("");
     const bar = element("canvas", { width: 1, height: 256 });
     drawPixels(bar, (_, up) => entry(mapOf(look), up));
     const levels = ticks(look).map((tick) => text(x + SIDE + 28, y + SIDE * (1 - tick.at) + 4, tick.label));
@@ -89,20 +93,25 @@ export function figure({ studio, say, engine }: Context, look: Look, root: HTMLE
     ].join("");
   }
 
+  const drawn = (width: number, height: number, more: string) =>
+    `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${width} ${height}" width="${width}" height="${height}" ${more}>`;
+  const shown = shownOf(view)[state.slot].lattice;
+  if (plain && shown) return `${drawn(SIDE, SIDE, "")}${slice(state.slot, shown, 0, 0)}</svg>`;
   const rows = numberRows(view).map(({ word, values, better }, k) => {
     const y = 90 + 26 * k;
-    const cells = values.map((value, slot) => text(values.length === 1 ? 1260 : 1180 + 80 * slot, y, value, `text-anchor="end" font-weight="${better === slot ? 700 : 400}"`));
+    const cells = values.map((value, slot) => text(values.length === 1 ? 1220 : 1180 + 80 * slot, y, value, `text-anchor="end" font-weight="${better === slot ? 700 : 400}"`));
     return text(1010, y, say(word as Word), `fill="${soft}" font-size="11"`) + cells.join("");
   });
   const { array } = state;
   const name = "preset" in array ? `${array.preset} ${array.tiles.join(" × ")}` : array.name;
-  const slices = shownOf(view).map(({ lattice }, slot) => (lattice ? slice(slot as Slot, lattice, 650, slot ? 410 : 70) : ""));
+  // A skin is predicted for A only.
+  const slices = shownOf(view).map(({ lattice }, slot) => (lattice && !(slot && view.frame?.touch) ? slice(slot as Slot, lattice, 650, slot ? 410 : 70) : ""));
   const foot = `midair ${engine.catalogue.version}  ${new URL(`#${writeLink(state)}`, location.href).href}`.match(new RegExp(`.{1,${LINE}}`, "g"))!;
   const height = FIGURE[1] + (foot.length - 1) * LEADING;
   return [
-    `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${FIGURE[0]} ${height}" width="${FIGURE[0]}" height="${height}" font-family="Inter, system-ui, sans-serif" font-size="12" fill="${ink}">`,
+    drawn(FIGURE[0], height, `font-family="Inter, system-ui, sans-serif" font-size="12" fill="${ink}"`),
     `<rect width="100%" height="100%" fill="${back}"/>`,
-    text(24, 36, `${name}, ${state.points.length} ${say("points").toLowerCase()}, ${state.temperature} °C`, 'font-size="18" font-weight="600"'),
+    text(24, 36, `${name}, ${say("points").toLowerCase()}: ${state.points.length}, ${state.temperature} °C`, 'font-size="18" font-weight="600"'),
     space(),
     ...slices,
     ...rows,

@@ -95,7 +95,7 @@ export function sentenceOf(view: View): { word: Word; put: Record<string, string
     time: Number.isNaN(a.milliseconds) ? "…" : duration(a.milliseconds),
   };
   const kind = state.signature.includes(".") ? "mixed" : state.signature ? (count === 1 ? "oneTrap" : "traps") : count === 1 ? "focus" : "foci";
-  const motion = state.signature && kind !== "mixed" ? "trapsInMotion" : "inMotion";
+  const motion = kind === "mixed" ? "mixedInMotion" : state.signature ? "trapsInMotion" : "inMotion";
   return { word: frame ? motion : kind, put };
 }
 

@@ -111,9 +111,9 @@ export class Page {
     return createBar(context, this.levels.root, {
       language: () => manner.again({ language: manner.language === "en" ? "ja" : "en" }),
       theme: () => manner.again({ theme: manner.theme === "dark" ? "light" : "dark" }),
-      picture: (ending) => {
+      picture: (ending, plain) => {
         // The canvas is painted with the resolution of the PNG.
-        const drawn = figure(context, this.painting.look, this.root, this.painting.paint(2));
+        const drawn = figure(context, this.painting.look, this.root, this.painting.paint(2), plain);
         context.repaint();
         exportFigure(drawn, ending).catch((error) => context.alarm(context.say("failed", { line: noticeOf(error) })));
       },

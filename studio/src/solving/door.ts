@@ -211,9 +211,12 @@ export class Door {
     return [...this.numbers()];
   }
 
-  judge(): Metrics {
+  /** Returns the metrics of the drive, and its pressures at the points; a trap's are those of its foci. */
+  judge(): Pick<Answer, "metrics" | "pressures"> {
     this.call("judge");
-    return metrics(this.numbers());
+    const all = new Float32Array(...this.result(PRESSURES, 2));
+    const pressures = Array.from({ length: all.length / 2 }, (_, j): [number, number] => [all[2 * j], all[2 * j + 1]]);
+    return { metrics: metrics(this.numbers()), pressures };
   }
 
   /** Sets the drive, and the factor that the supply voltage or modulation must apply. */

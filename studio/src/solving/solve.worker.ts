@@ -66,11 +66,10 @@ function looked(shown: Door, answer: Answer, warnings: Notice[], grids: Grid[], 
 /** Returns the outcome of a drive that was computed elsewhere. */
 function judged(scene: string, drive: Float32Array, grids: Grid[], ear: Vec3 | null): Outcome {
   aside(scene, { drive });
-  const points = JSON.parse(scene).points as { position: Vec3; pressure?: number }[];
-  const field = beside.field(Float64Array.from(points.flatMap(({ position }) => position)));
-  const pressures = points.map((_, k): [number, number] => [field[2 * k], field[2 * k + 1]]);
+  const points = JSON.parse(scene).points as { pressure?: number }[];
+  const { metrics, pressures } = beside.judge();
   const targets = points.map(({ pressure }, k) => pressure ?? Math.hypot(...pressures[k]));
-  const answer: Answer = { metrics: beside.judge(), scale: 1, status: "done", steps: 0, targets, pressures, drive, said: [] };
+  const answer: Answer = { metrics, scale: 1, status: "done", steps: 0, targets, pressures, drive, said: [] };
   return looked(beside, answer, [], grids, ear);
 }
 

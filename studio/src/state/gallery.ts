@@ -16,10 +16,10 @@ import type { State } from "./types.ts";
 const SCENES: Record<string, object> = { ball, ear, letters, pair, ring, smiley, traps, weak };
 
 /**
- * The eight examples: the name and a line, in English and in Japanese, and the state. Each names a scene file, which has method
- * A; method B; and what else its state has. Examples of the Python package use the same scene files.
+ * The examples: the name and a line, in English and in Japanese, and the state. Each has a scene with method A, or the name of
+ * its file, which an example of the Python package uses, too; method B; and what else its state has.
  */
 export const gallery = texts.map(({ scene, b, name, line, more }) => {
-  const state = stateOf(SCENES[scene] as SceneFile, initial);
+  const state = stateOf((typeof scene === "string" ? SCENES[scene] : scene) as SceneFile, initial);
   return { name, line, state: { ...state, methods: [state.methods[0], b], ...more } as State };
 });

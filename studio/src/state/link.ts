@@ -6,7 +6,7 @@
 // | key | meaning | key | meaning |
 // |---|---|---|---|
 // | `v` | 1 | `z` | slice: height,size or height,size,x,y of its middle |
-// | `a` | preset, or preset.2x2 boards | `f` | signature: trap, twin, vortex, or trap.focus |
+// | `a` | preset, preset.2x2 boards, or places | `f` | signature: trap, twin, vortex, or trap.focus |
 // | `l` | phases and amplitudes: board, none | `o` | wall,x,y,z,nx,ny,nz,rigid_ball,x,y,z,radius,soft |
 // | `t` | temperature, or temperature,Np/m,kg/m^3 of the air | `e` | ear: x,y,z |
 // | `m` | methods A.B | `g` | path: circle,radius,Hz or line,length,Hz |
@@ -15,8 +15,8 @@
 // | `h` | level of the page: play, compare, engineer | `x` | options of methods as JSON |
 // | `b` | bead: radius,kg/m^3,m/s, then gravity in m/s^2: x,y,z | | |
 //
-// A link cannot contain a user's own array, or one with a mask and the like: such a link has `a=own`, which is rejected when
-// read.
+// The places of an array are x,y,z_x,y,z of at most 16 transducers that face up. A link cannot contain another array of one's
+// own, or one with a mask and the like: such a link has `a=own`, which is rejected when read.
 
 import keys from "../../../python/midair/_studio/keys.json";
 import { initial, MOST_POINTS } from "./initial.ts";
@@ -31,6 +31,8 @@ const KINDS = ["rigid", "soft"] as const;
 const PATHS = ["circle", "line"] as const;
 
 const MOST_BOARDS = 8;
+/** The largest array of one's own in a link. */
+const MOST_WRITTEN = 16;
 const MOST_OBSTACLES = keys.obstacles[0] as number;
 /** Largest length in mm, and largest pressure in Pa. */
 const FARTHEST = 10_000;
@@ -70,6 +72,10 @@ function cells(item: string, text: string, counts: number[], form: string): stri
 
 function readArray(text: string): State["array"] {
   if (text === "own") wrong("a", text, "an array of one's own is in no link, load its file");
+  if (/^[-\d.]+,/.test(text)) {
+    const positions = text.split("_").map((row) => place("a", cells("a", row, [3], "x,y,z of each transducer in mm")));
+    return { name: "array", positions, normals: positions.map((): Vec3 => [0, 0, 1]) };
+  }
   const match = /^([a-z][a-z0-9_]{0,39})(?:\.(\d+)x(\d+))?$/.exec(text);
   if (!match) return wrong("a", text, "give a preset such as autd3.2x2 or sonicsurface");
   const boards = (count = "1") => number("boards of a", count, 1, MOST_BOARDS);
@@ -167,6 +173,12 @@ function mm(length: number): string {
   return String(Math.round(length * 1e6) / 1000 + 0);
 }
 
+function writeArray({ array }: State): string {
+  const long = "positions" in array && (array.positions.length > MOST_WRITTEN || array.normals.some(([, , z]) => z !== 1));
+  if (long || array.parts) return "own";
+  return "preset" in array ? `${array.preset}.${array.tiles.join("x")}` : array.positions.map((at) => at.map(mm).join()).join("_");
+}
+
 function writePoints({ points, pressures, filled }: State): string {
   const pressure = (k: number) => (pressures ? [`${filled.includes(k) ? "~" : ""}${pressures[k]}`] : []);
   return points.map((at, k) => [...at.map(mm), ...pressure(k)].join()).join("_");
@@ -198,7 +210,7 @@ function choice<K extends "quantization" | "level" | "view" | "quantity" | "scal
 /** The parts of a link by their keys, in the order in which they are written. */
 const PARTS: Record<string, Part> = {
   v: [(text) => (text === "1" ? {} : wrong("v", text, "this page reads v=1")), () => "1"],
-  a: [(text) => ({ array: readArray(text) }), ({ array }) => ("preset" in array && !array.parts ? `${array.preset}.${array.tiles.join("x")}` : "own")],
+  a: [(text) => ({ array: readArray(text) }), writeArray],
   l: choice("l", "quantization", QUANTIZATIONS),
   t: [readAir, ({ temperature, absorption, density }) => [temperature, ...(absorption === null && density === null ? [] : [absorption, density])].join()],
   m: [(text) => ({ methods: readMethods(text) }), ({ methods }) => methods.join(".")],
