@@ -22,12 +22,12 @@ PREFIX := /usr/local
 CODE := python capi bench book firmware fuzz gateware examples matlab
 RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml python/build.rs $(wildcard python/stubs/*.py) $(shell find core/src python/src -name '*.rs')
 
-# A step prints its name, with the expected time on two cores without earlier builds; then the time that it took, or its
-# name again if it fails.
+# A step prints its name, with the expected time on two cores without earlier builds; then its name with the time that it
+# took, or if it fails.
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
-	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
+	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $(1): it took $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-windows test-boards test-serve test-long gateware test-studio npm test-npm unity test-unity matlab test-matlab lint fuzz sanitize bench-peers measured pictures look docs site generated api schema golden map header pins wheels release clean
+.PHONY: help outlook compiled check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-windows test-boards test-serve test-long gateware test-studio npm test-npm unity test-unity matlab test-matlab lint fuzz sanitize bench-peers measured pictures look docs site generated api schema golden map header pins wheels release clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -82,14 +82,19 @@ studio/node_modules: studio/package.json
 $(BUILT)/libmidair.so:
 	$(MAKE) --no-print-directory capi
 
-test: outlook lint test-rust test-python ## The core's tests and the package's (the C library's: test-capi)
+test: outlook .venv/ready ## The core's tests and the package's (the C library's: test-capi)
+	@$(MAKE) --no-print-directory --jobs 2 lint compiled
+	@$(MAKE) --no-print-directory test-rust test-python
 	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-studio, test-npm, test-unity, test-matlab, test-firmware, test-boards, test-serve, test-long (Ctrl-C, flights, the wheel, docs/extending.md, the oldest Rust), test-portable, test-windows, fuzz, sanitize"
 
 outlook:
 	@echo "make test: lint, the core's tests, the package's tests; 18 minutes on two cores, a third of it when built before."
 
-test-rust: ## The core: tests, doctests, each feature set, no_std
+# Beside the lint, which does not fill two cores either: so it has a target folder of its own.
+compiled:
 	$(call step,core: tests are compiled (5 min),$(CARGO) test $(SHARED) --no-run)
+
+test-rust: compiled ## The core: tests, doctests, each feature set, no_std
 	$(call step,core: tests run (2 min),$(CARGO) test --quiet $(SHARED) -- --include-ignored --skip at_length)
 	$(call step,core: a program without std and features std and parallel (20 s),\
 		{ $(CARGO) run --quiet --manifest-path core/tests/no_std/Cargo.toml & \
@@ -164,8 +169,8 @@ test-matlab: .venv/extension matlab ## MATLAB's functions in Octave: the bits of
 
 lint: .venv/ready ## Formatting, clippy, rustdoc, ruff, spelling: warnings are errors
 	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)
-	$(call step,lint: clippy on the core and the extension and the C library (1 min),$(CARGO) clippy --workspace --all-targets --features midair/scene-file --features midair/parallel -- -D warnings)
-	$(call step,lint: the core's documentation (5 s),RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps $(CORE))
+	$(call step,lint: clippy on the core and the extension and the C library (1 min),$(CARGO) clippy --target-dir target/lint --workspace --all-targets --features midair/scene-file --features midair/parallel -- -D warnings)
+	$(call step,lint: the core's documentation (5 s),RUSTDOCFLAGS="-D warnings" $(CARGO) doc --target-dir target/lint --no-deps $(CORE))
 	$(call step,lint: Python (2 s),$(BIN)/ruff check $(CODE) && $(BIN)/ruff check --preview --select PLW1514 $(CODE))
 	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check $(CODE))
 	$(call step,lint: words are spelt right (2 s),$(BIN)/codespell *.md docs book core python capi bench examples firmware matlab studio/src)
