@@ -21,8 +21,8 @@ DIRECTIVITIES = {name: about for name, (_, _, about) in directivities().items()}
 VALUES = ['"autd3"', '"paper20"', "[1, 2]", '"max"', '"full"', '"all"', "true", "null"]
 VALUES += ["inf", "nan", "-0.0", "1e308", "9223372036854775808"]
 HEAD = {"$schema": "http://json-schema.org/draft-07/schema#"}
-#: Lists of any length, although their example has a few numbers.
-FREE = {"array.quantization.amplitudes", "array.channels", "array.pins"}
+#: Ends of the paths of lists of any length, although their example has a few numbers.
+FREE = ("array.channels", "array.pins", ".amplitudes", ".pulses", ".samples")
 #: Keys that take a number or a list of numbers.
 NUMBER_OR_LIST = {"motion.path[].pressures", "motion.path[].size"}
 #: Tables that may occur once or several times.
@@ -64,7 +64,7 @@ def of_key(path: str, example: Any, of_table: Callable[[str], dict[str, Any] | N
     if path == "array.directivity":
         parameter = {"type": "object", "additionalProperties": {"type": "number"}, "maxProperties": 1}
         return {"anyOf": [{"type": "string"}, parameter]}
-    if path == "array.rotation":
+    if path in ("array.rotation", "obstacles[].rotation"):
         return several({"type": "array", "items": {"type": "number"}})
     if path == "array.part":
         return {"type": "array", "items": {"type": "object"}}
@@ -76,7 +76,7 @@ def of_key(path: str, example: Any, of_table: Callable[[str], dict[str, Any] | N
         return {"anyOf": [many, listed]} if path in REPEATED else listed
     if one and not isinstance(example, dict):
         return {"anyOf": [of_value(example, False), one]}
-    return one or of_value(example, path in FREE)
+    return one or of_value(example, path.endswith(FREE))
 
 
 def schema() -> dict[str, Any]:

@@ -199,6 +199,8 @@ test("the exported picture is a sheet with axes, bar, numbers, version and link,
   const size = svg.match(/viewBox="0 0 (\d+) (\d+)"/)!.slice(1).map(Number);
   expect([png.readUInt32BE(16), png.readUInt32BE(20)]).toEqual(size.map((px) => 2 * px));
   expect(size[0]).toBe(1280);
+  const plain = await download("Export plain picture");
+  expect([plain.readUInt32BE(16), plain.readUInt32BE(20)]).toEqual([540, 540]);
 });
 
 test("nothing leaves the origin, and nothing is complained of", async () => {

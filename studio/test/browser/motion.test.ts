@@ -133,7 +133,7 @@ test("a path moves a skin: its felt strength, its motion, and back to |p|", asyn
   const { level, width } = (await touch())!;
   // By midair.skin, of a focus in each frame.
   expect(Math.abs(level - 31.25)).toBeLessThan(0.1);
-  expect(await summary("A")).toBe(`glide: Strongest ${Math.round(level)} dB above threshold; felt ${Math.round(1000 * width)} mm wide`);
+  expect(await summary("A")).toBe(`glide: Strongest ${Math.round(level)} dB above threshold; half as strong within ${Math.round(1000 * width)} mm`);
   expect(await page.evaluate(() => window.midair!.state().plane)).toEqual({ axis: "z", z: 0.15, size: 0.08, center: [0, 0] });
   const ticks = () => page.locator(".ticks").first().innerText();
   expect(await ticks()).toMatch(/20 dB/);
