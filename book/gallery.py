@@ -25,7 +25,8 @@ INTRODUCTION = """\
 Each picture is the output of a short program or notebook in the folder [examples](../examples). In a clone,
 `python examples/smiley.py` writes `smiley.png`.
 
-Eight programs use scenes of the [studio](studio.md). `midair studio docs/scenes/gallery/smiley.json` opens one.
+Eight programs use scenes of the studio. [Once built](studio.md),
+`midair studio docs/scenes/gallery/smiley.json` opens one.
 """
 #: The Markdown of a card: picture, title, first sentence, and a link to the program.
 CARD = """\
