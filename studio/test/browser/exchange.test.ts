@@ -228,7 +228,7 @@ test("without WebGL2 a line says so, and everything but the pictures works", asy
   await point(blind, 1).press("ArrowUp");
   await blind.evaluate(() => window.midair!.settled());
   expect(await blind.getByRole("alert").innerText()).toContain("no WebGL 2");
-  await expect.poll(() => point(blind, 1).getAttribute("aria-label")).toContain("y 1,");
+  await expect.poll(() => point(blind, 1).getAttribute("aria-label"), { timeout: 60_000 }).toContain("y 1,");
   await plain.close();
 });
 
