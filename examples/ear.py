@@ -1,5 +1,5 @@
-"""An ear beside four loud foci: quiet points around it reduce the sound pressure level there by over 20 dB. The foci stay
-as loud.
+"""An ear beside four loud foci: quiet points around it reduce the sound pressure level there by over 20 dB. The foci
+stay as loud.
 
 Nine points of 0 Pa fill a box of 4 mm. `uniform` keeps them at a thousandth of the loudest focus. Superposed
 foci cannot do this.
