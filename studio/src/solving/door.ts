@@ -215,8 +215,7 @@ export class Door {
   judge(): Pick<Answer, "metrics" | "pressures"> {
     this.call("judge");
     const all = new Float32Array(...this.result(PRESSURES, 2));
-    const pressures = Array.from({ length: all.length / 2 }, (_, j): [number, number] => [all[2 * j], all[2 * j + 1]]);
-    return { metrics: metrics(this.numbers()), pressures };
+    return { metrics: metrics(this.numbers()), pressures: Array.from({ length: all.length / 2 }, (_, j) => [all[2 * j], all[2 * j + 1]]) };
   }
 
   /** Sets the drive, and the factor that the supply voltage or modulation must apply. */
