@@ -8,7 +8,7 @@ namespace Midair
     public class MidairPoints : MonoBehaviour
     {
         public Transform[] foci = new Transform[0];
-        [Tooltip("Peak pressures in Pa: one for all foci, or one each; 0 is a quiet point")] public float[] pressures = { 1000f };
+        [Tooltip("Peak pressures in Pa: one for all foci, or one each; 0 is a quiet point, absent by midair serve")] public float[] pressures = { 1000f };
 
         /// <summary>midair's points, x, y, z in m of the array, and pressures in Pa, from the last call of Read.</summary>
         public double[] Points { get; private set; } = new double[0];

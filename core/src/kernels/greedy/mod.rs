@@ -12,7 +12,7 @@
 //! point of 16 problems ([`crate::kernels::greedy::interleaved_pass`]). Each update waits for the one before, so that
 //! latency limits the pass. These points shorten it:
 //!
-//! 1. A candidate costs one polynomial, whatever the number M of points: 4096 candidates take 1.8 to 2.8 times as long
+//! 1. A candidate costs one polynomial, whatever the number M of points: 4096 candidates take 1.6 to 1.9 times as long
 //!    as 16. Only candidates closer than the remainder are decided by eq. (7) itself ([`shortlist`], [`large_grid`]).
 //! 2. The next row does not depend on this update. It is written while the loop waits for the sums over lanes.
 //! 3. The values of a point that the moments need (1/|P|^2, w (1 - t/|P|), w t |P|) are computed when its pressure is,
