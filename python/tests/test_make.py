@@ -39,5 +39,6 @@ def test_a_step_that_fails_is_named(tmp_path: Path) -> None:
     (tmp_path / "Makefile").write_text(f"include {ROOT / 'Makefile'}\nbroken:\n{steps}", "utf-8")
     done = make("-f", str(tmp_path / "Makefile"), "broken")
     assert done.returncode == 2
-    assert [line for line in done.stdout.splitlines() if line] == ["== one (1 s)", "-- one (1 s): it took 0 s", "== two (1 s)"]
+    printed = ["== one (1 s)", "-- one (1 s): it took 0 s", "== two (1 s)"]
+    assert [line for line in done.stdout.splitlines() if line] == printed
     assert done.stderr.startswith("== failed: two (1 s)\n")
