@@ -170,7 +170,7 @@ fn extent(array: &Array, medium: Medium) -> Option<Notice> {
     let places = array.positions();
     let wavelength = medium.wavelength();
     if is_sure(medium) && places.len() > 1 {
-        let usual = &(wavelength / 4.0..=wavelength * 3.0);
+        let (usual, length) = (&(wavelength / 4.0..=wavelength * 3.0), distance(places[0], places[1]));
         let [close, far] = [*SPACING.start(), *SPACING.end()].map(|part| part * wavelength);
         let reported = |pair: Option<[usize; 2]>, length: f64, what: &str| {
             let (item, value) = match (array.origin(), pair) {
@@ -191,8 +191,7 @@ fn extent(array: &Array, medium: Medium) -> Option<Notice> {
             return Some(notice);
         }
         // Two or three sources may be anywhere, unless another unit explains their distance.
-        let (length, few) = (distance(places[0], places[1]), places.len() <= 3);
-        if neighbours.pair(far, |_, _| true).is_none() && !(few && metres(length, usual) == "give m") {
+        if neighbours.pair(far, |_, _| true).is_none() && (places.len() > 3 || metres(length, usual) != "give m") {
             return Some(reported(None, length, "no neighbours within five wavelengths"));
         }
     }

@@ -141,8 +141,8 @@ impl Studio {
         let problem = self.opened()?.problem()?;
         let (drive, control) = (played(&self.drive, self.scale), &mut Control::none());
         self.numbers = problem.judge(&drive, Precision::Double, control)?.values().to_vec();
-        let exact = problem.pressures(&drive, control)?.into_iter();
-        self.pressures = exact.map(|p| Complex32::new(p.re as f32, p.im as f32)).collect();
+        self.pressures =
+            problem.pressures(&drive, control)?.iter().map(|p| Complex32::new(p.re as f32, p.im as f32)).collect();
         Ok(())
     }
 

@@ -77,7 +77,7 @@ export function figure({ studio, say, engine }: Context, colours: Look, root: HT
       const ring = `<circle cx="${left}" cy="${top}" r="7" fill="none" stroke="#fff" ${RIM}/>`;
       return plain ? ring : ring + text(left + 9, top - 5, String(k + 1), `fill="#fff" ${RIM}`);
     });
-    if (plain) return [picture(copy, x, y, SIDE, SIDE), ...rings].join("");
+    if (plain) return `<svg xmlns="http://www.w3.org/2000/svg" width="${SIDE}" height="${SIDE}">${picture(copy, x, y, SIDE, SIDE)}${rings.join("")}</svg>`;
     const bar = element("canvas", { width: 1, height: 256 });
     drawPixels(bar, (_, up) => entry(mapOf(look), up));
     const levels = ticks(look).map((tick) => text(x + SIDE + 28, y + SIDE * (1 - tick.at) + 4, tick.label));
@@ -95,10 +95,8 @@ export function figure({ studio, say, engine }: Context, colours: Look, root: HT
     ].join("");
   }
 
-  const drawn = (width: number, height: number, more: string) =>
-    `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${width} ${height}" width="${width}" height="${height}" ${more}>`;
   const shown = shownOf(view)[state.slot].lattice;
-  if (plain && shown) return `${drawn(SIDE, SIDE, "")}${slice(state.slot, shown, 0, 0)}</svg>`;
+  if (plain && shown) return slice(state.slot, shown, 0, 0);
   const rows = numberRows(view).map(({ word, values, better }, k) => {
     const y = 90 + 26 * k;
     const cells = values.map((value, slot) => text(values.length === 1 ? 1220 : 1180 + 80 * slot, y, value, `text-anchor="end" font-weight="${better === slot ? 700 : 400}"`));
@@ -111,7 +109,7 @@ export function figure({ studio, say, engine }: Context, colours: Look, root: HT
   const foot = `midair ${engine.catalogue.version}  ${new URL(`#${writeLink(state)}`, location.href).href}`.match(new RegExp(`.{1,${LINE}}`, "g"))!;
   const height = FIGURE[1] + (foot.length - 1) * LEADING;
   return [
-    drawn(FIGURE[0], height, `font-family="Inter, system-ui, sans-serif" font-size="12" fill="${ink}"`),
+    `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${FIGURE[0]} ${height}" width="${FIGURE[0]}" height="${height}" font-family="Inter, system-ui, sans-serif" font-size="12" fill="${ink}">`,
     `<rect width="100%" height="100%" fill="${back}"/>`,
     text(24, 36, `${name}, ${say("points").toLowerCase()}: ${state.points.length}, ${state.temperature} °C`, 'font-size="18" font-weight="600"'),
     space(),

@@ -31,8 +31,6 @@ const KINDS = ["rigid", "soft"] as const;
 const PATHS = ["circle", "line"] as const;
 
 const MOST_BOARDS = 8;
-/** The largest array of one's own in a link. */
-const MOST_WRITTEN = 16;
 const MOST_OBSTACLES = keys.obstacles[0] as number;
 /** Largest length in mm, and largest pressure in Pa. */
 const FARTHEST = 10_000;
@@ -174,9 +172,8 @@ function mm(length: number): string {
 }
 
 function writeArray({ array }: State): string {
-  const long = "positions" in array && (array.positions.length > MOST_WRITTEN || array.normals.some(([, , z]) => z !== 1));
-  if (long || array.parts) return "own";
-  return "preset" in array ? `${array.preset}.${array.tiles.join("x")}` : array.positions.map((at) => at.map(mm).join()).join("_");
+  const long = "positions" in array && (array.positions.length > 16 || array.normals.some(([, , z]) => z !== 1));
+  return long || array.parts ? "own" : "preset" in array ? `${array.preset}.${array.tiles.join("x")}` : array.positions.map((at) => at.map(mm).join()).join("_");
 }
 
 function writePoints({ points, pressures, filled }: State): string {

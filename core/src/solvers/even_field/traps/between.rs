@@ -94,7 +94,8 @@ pub(crate) fn exchange(
     let cost = Softest::last((traps, &fixed), before, None);
     let others: Vec<_> = neighbours.beside.iter().flatten().copied().collect();
     let mut changed = drive.to_vec();
-    on_grid::bring(set, (traps, &fixed, cost.unit), board, (&others, neighbours.codes as f32), &mut changed);
+    let codes = neighbours.codes as f32;
+    on_grid::bring(set, (traps, &fixed, cost.unit), board, (&others, codes), (&mut changed, &mut || false));
     let after = traps.field(&changed);
     if cost.of_field([&after[0], &after[1]]) < cost.of_field(before) {
         drive.copy_from_slice(&changed);

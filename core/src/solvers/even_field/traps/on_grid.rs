@@ -34,13 +34,13 @@ const APART: f64 = 2.7e-4;
 const SHARPNESS: f64 = 48.0;
 
 /// Rounds drives of modulus 1 to a grid, pass after pass. K is measured in parts of `unit`. Each drive stays within
-/// `codes` codes of its value in each of the lists `others`.
+/// `codes` codes of its value in each of the lists `others`. After a stop, the other drives are only rounded.
 pub(super) fn bring(
     set: InstructionSet,
     (traps, fixed, unit): (&Stiffness, &FixedFoci, f64),
     quantization: &Quantization,
     (others, codes): (&[&[Complex32]], f32),
-    drive: &mut [Complex32],
+    (drive, stop): (&mut [Complex32], &mut dyn FnMut() -> bool),
 ) {
     let requested: Vec<Complex32> = drive.to_vec();
     let round = |drive: &mut [Complex32]| quantization.grid().round(set, 1.0, [1.0; 2], drive);
@@ -69,7 +69,7 @@ pub(super) fn bring(
             slopes.push((row, pulls));
         }
         let share = 1.0 / (APART * APART * places as f64);
-        for (i, q) in drive.iter_mut().enumerate() {
+        for (i, q) in drive.iter_mut().enumerate().take_while(|_| !stop()) {
             if *q == Complex32::ZERO {
                 continue;
             }

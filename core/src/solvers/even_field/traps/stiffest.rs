@@ -220,7 +220,11 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     }
     if let Some(quantization) = problem.quantization() {
         let unit = Softest::new((&traps, &fixed), planes(&descent.wave), STAGES[1]).unit;
-        on_grid::bring(set, (&traps, &fixed, unit), quantization, (&[], f32::INFINITY), &mut drive);
+        let stop = &mut || {
+            run.stopped = run.stopped || run.control.beat().is_err();
+            run.stopped
+        };
+        on_grid::bring(set, (&traps, &fixed, unit), quantization, (&[], f32::INFINITY), (&mut drive, stop));
     }
     foci.play(run.rows, drive.into_iter());
     Ok(true)

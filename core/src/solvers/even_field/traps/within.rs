@@ -239,7 +239,7 @@ fn bring(
     let before = before.each_ref().map(|plane| &plane[..]);
     let cost = Softest::last((traps, fixed), before, None);
     let set = problem.propagation().instruction_set();
-    on_grid::bring(set, (traps, fixed, cost.unit), board, (&[&last.played], most), drive);
+    on_grid::bring(set, (traps, fixed, cost.unit), board, (&[&last.played], most), (drive, &mut || false));
     let after = traps.field(drive);
     let better = cost.of_field([&after[0], &after[1]]) < cost.of_field(before);
     if !better {
