@@ -90,7 +90,7 @@ test: outlook .venv/ready ## The core's tests and the package's (the C library's
 outlook:
 	@echo "make test: lint, the core's tests, the package's tests; 18 minutes on two cores, a third of it when built before."
 
-# Beside the lint, which does not fill two cores either: so it has a target folder of its own.
+# Runs beside the lint: neither fills two cores. So the lint has a target folder of its own.
 compiled:
 	$(call step,core: tests are compiled (5 min),$(CARGO) test $(SHARED) --no-run)
 
@@ -98,7 +98,8 @@ test-rust: compiled ## The core: tests, doctests, each feature set, no_std
 	$(call step,core: tests run (2 min),$(CARGO) test --quiet $(SHARED) -- --include-ignored --skip at_length)
 	$(call step,core: a program without std and features std and parallel (20 s),\
 		{ $(CARGO) run --quiet --manifest-path core/tests/no_std/Cargo.toml & \
-		for feature in std parallel; do $(CARGO) check -p midair --no-default-features --features $$feature || exit; done; wait $$!; })
+		$(CARGO) check -p midair --no-default-features --features std \
+		&& $(CARGO) check -p midair --no-default-features --features parallel && wait $$!; })
 
 test-python: .venv/extension ## The package: tests, stubs, types
 	$(call step,package: tests (8 min),$(PYTHON) -m pytest --numprocesses auto --dist worksteal)

@@ -79,6 +79,18 @@ def test_scene_files_fit(name: str, text: str) -> None:
     assert faults(tomllib.loads(text), SCHEMA) == []
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[array]\nquantization = { pulses = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9] }",
+        "[[obstacles]]\nfile = 'hand.stl'\nrotation = [1.0, 0.0, 0.0, 0.0]",
+        "[[motion.path]]\nkind = 'still'\nam = { samples = [1.0, 0.0], samples_rate = 400 }",
+    ],
+)
+def test_lists_of_another_length_than_their_example_fit(text: str) -> None:
+    assert faults(tomllib.loads(text), SCHEMA) == []
+
+
 def sweeps() -> list[tuple[str, str]]:
     """Returns the sweep files of docs/sweeps and those in the pages, with their names."""
     found = [(file.name, file.read_text("utf-8")) for file in sorted((ROOT / "docs" / "sweeps").glob("*.toml"))]
