@@ -129,11 +129,11 @@ test-boards: setup ## Boards: programs that play end in every way, 20 times each
 test-serve: setup ## Points of other programs: 1,000,000 histories of signs of life, 1,000 real ones, 10,000 connections (8 min)
 	MIDAIR_SLOW=1 $(PYTHON) -m pytest $(wildcard python/tests/test_serve*.py)
 
-test-long: .venv/extension ## What takes too long for make test, and Ctrl-C at 20 moments of every long call (30 min, quiet computer)
+test-long: .venv/extension ## What takes too long for make test, and Ctrl-C at 20 moments of every long call (50 min, quiet computer)
 	$(call step,core: the steps of docs/extending.md on a copy (1 min),core/tests/extending.sh)
 	$(call step,all crates: the oldest Rust (1 min),core/tests/minimum.sh)
 	$(call step,core: tests of minutes (3 min),$(CARGO) test --quiet $(SHARED) -- --ignored at_length)
-	$(call step,package: tests of minutes (3 min),MIDAIR_SLOW=1 $(PYTHON) -m pytest -m long)
+	$(call step,package: tests of minutes (20 min),MIDAIR_SLOW=1 $(PYTHON) -m pytest --numprocesses auto --dist worksteal -m long)
 	$(call step,package: Ctrl-C (25 min),MIDAIR_SLOW=1 $(PYTHON) -m pytest python/tests/test_ctrl_c.py)
 
 gateware: .venv/extension ## Boards' makers' own gateware with our bytes, recorded (MAKERS=folder of their repositories, Debian's ghdl, simavr)
@@ -270,7 +270,7 @@ pins: ## Pin what pyproject.toml asks for, names and versions only
 wheels: setup studio ## Wheels for Linux, x86-64 and 64-bit ARM, with the studio, into dist (15 min)
 	python/wheels.sh
 
-release: book/.venv/ready studio/node_modules ## Rehearse a release: all parts into out/release, each tried in an empty folder (20 min)
+release: book/.venv/ready studio/node_modules ## Rehearse a release: all parts into out/release, each tried in an empty folder (15 min)
 	$(PYTHON) python/release.py
 
 clean: ## Remove what was built

@@ -86,7 +86,7 @@ GROUPS: dict[str, dict[str, Call]] = {
         *("sequence", "beads", "speeds", "duration", "tau", "hold", "bead"),
     ),
     "fastest": keywords(
-        lambda **bad: midair.path.fastest(**({"points": RING, "array": PAIR} | bad)),
+        lambda **bad: midair.path.fastest(**({"points": RING, "array": PAIR, "margin": 0.3} | bad)),
         *("points", "array", "margin", "closed", "bead", "temperature"),
     ),
     "pressure": keywords(grad("pressure"), "scene", "drive", "points", "cotangent"),

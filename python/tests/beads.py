@@ -12,8 +12,8 @@ from oracle import Complex, Real
 RADIUS, START = 0.018, 0.05
 #: Viscosity of air at 20 degrees Celsius, in Pa s.
 VISCOSITY = 1.81e-5
-#: Integration steps per frame.
-STEPS = 2
+#: Integration steps per frame, from 5 kHz: four of them change distances by .2 % at most.
+STEPS = 1
 
 
 def circle(count: int, speed: float, rate: float, laps: float = 1.0) -> Real:

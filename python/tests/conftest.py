@@ -43,6 +43,11 @@ DARK: dict[str, list[float]] = {}
 REFUSALS = Path(__file__).with_name("refusals")
 
 
+def pytest_xdist_auto_num_workers() -> int:
+    """Returns one worker more than there are cores: a fifth of the time, a test waits for a child or a port."""
+    return (os.cpu_count() or 1) + 1
+
+
 @pytest.fixture(autouse=True)
 def no_figure_stays() -> Iterator[None]:
     """Closes each test's figures: `midair.plot` draws into an open figure, if there is one."""

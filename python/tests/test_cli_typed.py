@@ -59,13 +59,13 @@ def test_a_new_scene_solves_well_and_replaces_nothing(run: Run) -> None:
 
 def test_a_scene_is_typed_in_one_line(run: Run) -> None:
     array = midair.Array.preset("autd3", (2, 1))
-    for more, pressures in [
-        ([], None),
-        (["--pressure", "800"], 800.0),
-        (["--pressure=900, 500"], [900.0, 500.0]),
+    for tiles, more, pressures in [
+        ("2,1", [], None),
+        ("2x1", ["--pressure", "800"], 800.0),
+        ("2, 1", ["--pressure=900, 500"], [900.0, 500.0]),
     ]:
         scene = midair.Scene(array, [[0, 0, 0.15], [-0.02, 0, 0.15]], pressures)
-        status, out, err = run("solve", "--preset", "AUTD-3", "--tiles", "2,1", *AT, *more, "--json")
+        status, out, err = run("solve", "--preset", "AUTD-3", "--tiles", tiles, *AT, *more, "--json")
         record = json.loads(out)
         # For so small a pressure, the board's amplitudes are too coarse to meet it within 1 %.
         assert status == 0

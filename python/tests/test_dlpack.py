@@ -223,7 +223,7 @@ TAKE_ARRAYS: dict[str, Callable[[Wrap], Any]] = {
     "path.from_array": lambda w: midair.path.from_array(w(FRAMES), rate=100, pressures=w(np.ones((4, 2)))).at([0.0]),
     "Path.at": lambda w: PATH.at(w(np.array([0.0, 0.01]))),
     "Path.modulated": lambda w: PATH.modulated(w(np.linspace(0, 1, 4)), samples_rate=200).frames(1000)[1],
-    "path.fastest": lambda w: midair.path.fastest(w(RING), PAIR).duration,
+    "path.fastest": lambda w: midair.path.fastest(w(RING), PAIR, margin=0.3).duration,
     "shape.line": lambda w: midair.shape.line(w(POINTS[0]), w(POINTS[1])),
     "shape.circle": lambda w: midair.shape.circle(w(POINTS[0]), 0.01, normal=w(np.array([0, 0, 1.0]))),
     "shape.polyline": lambda w: midair.shape.polyline(w(FRAMES[:, 0])),

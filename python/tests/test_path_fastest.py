@@ -178,16 +178,10 @@ def test_a_bead_is_as_near_its_point_as_at_a_constant_speed(name: str) -> None:
     assert far[0] < min(1.05 * far[1], 0.8e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
-@pytest.mark.parametrize(
-    ("name", "level"),
-    [
-        pytest.param(name, level, marks=[] if (name, level) == ("square", True) else pytest.mark.long)
-        for name in closed_curves()
-        for level in (False, True)
-    ],
-)
+@pytest.mark.parametrize("name", closed_curves())
+@pytest.mark.parametrize("level", [False, True])
 def test_no_constant_speed_whose_bead_is_as_near_is_faster_than_the_default(name: str, level: bool) -> None:
     points, boards = closed_curves()[name], midair.Array.preset("openmpd_pair")
     points = points[:, [0, 2, 1]] if level else points

@@ -177,8 +177,9 @@ def test_a_table_of_points_that_means_something_else_is_refused(
 ) -> None:
     (tmp_path / name).write_bytes(data)
     text = f'[array]\npreset = "paper20"\n[[points]]\nfile = "{name}"\n'
-    with pytest.raises(midair.SceneError, match=reported):
-        midair.Scene.parse(text, folder=tmp_path)
+    for unit in ("", 'unit = "mm"\n'):
+        with pytest.raises(midair.SceneError, match=reported):
+            midair.Scene.parse(text + unit, folder=tmp_path)
 
 
 def test_a_scene_file_names_an_array_of_another_program(tmp_path: Path) -> None:

@@ -277,7 +277,8 @@ def wheel() -> None:
 
 def c() -> None:
     """Builds the C library, looks in it for the functions that Unity calls, and runs the examples with it."""
-    run(CARGO, "build", *PROFILE, "-p", "midair-capi", *CORE)
+    # A library for users is compiled alone: beside the extension it would have the extension's threads.
+    run(CARGO, "build", *PROFILE, "-p", "midair-capi", *(() if RELEASE else CORE))
     # Beside ucrtbase.dll, which Wine looks for in the folder of the program.
     dll = shutil.copy(HOME / "target" / TARGET / ("release" if RELEASE else "debug") / "midair.dll", BIN)
     scripts = (ROOT / "unity" / "Runtime" / "MidairLibrary.cs").read_text("utf-8")

@@ -62,9 +62,18 @@ fn assert_regrets(greedy: &Greedy, scene: &Scene) {
 #[test]
 #[ignore = "slow"]
 fn fine_grids_of_phases_and_amplitudes_are_searched_as_well() {
-    for (phases, amplitudes, points) in
-        [(256, 16, 1), (256, 16, 4), (256, 16, 32), (256, 16, 64), (1000, 3, 16), (64, 256, 8)]
-    {
+    search_finely(&[(256, 16, 1), (256, 16, 4), (1000, 3, 16), (64, 256, 8)]);
+}
+
+#[test]
+#[ignore = "slow"]
+fn fine_grids_are_searched_for_many_points_at_length() {
+    search_finely(&[(256, 16, 32), (256, 16, 64)]);
+}
+
+/// Compares searches of numbers of phases, amplitudes and points.
+fn search_finely(grids: &[(u32, u32, usize)]) {
+    for &(phases, amplitudes, points) in grids {
         let greedy = Greedy { phases, amplitudes, seed: 5, ..Greedy::default() };
         let scene = scene(preset("paper20"), random_points(points, 0.1, 11 + points as u64), None);
         assert_regrets(&greedy, &scene);

@@ -9,14 +9,21 @@ use midair::{Aim, Array, Complex64, Control, Problem, Quantization, Rng, Scene, 
 use crate::oracle;
 use crate::scenes::{problem, propagation, random_points, scene, widen};
 
-/// The minimum of a convex function over [0, 1], by ternary search.
+/// The minimum of a convex function over [0, 1], by golden section.
 fn least(function: &dyn Fn(f64) -> f64) -> f64 {
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..36 {
-        let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
-        if function(a) < function(b) { high = b } else { low = a }
+    let (mut left, mut right) = (function(1.0 - golden), function(golden));
+    for _ in 0..30 {
+        if left < right {
+            (high, right) = (low + golden * (high - low), left);
+            left = function(high - golden * (high - low));
+        } else {
+            (low, left) = (high - golden * (high - low), right);
+            right = function(low + golden * (high - low));
+        }
     }
-    function(0.5 * (low + high))
+    left.min(right)
 }
 
 /// The highest level of two or three points with given phases: the minimum of `sum_i |sum_j w_j conj(v_j) h_ji|` over weights.

@@ -22,21 +22,29 @@ fn levels(scene: &Scene, problem: &Problem) -> Vec<(&'static str, f64)> {
 #[test]
 #[ignore = "slow"]
 fn no_solver_exceeds_the_bound_and_the_best_comes_near() {
+    stay_below_the_bound(0);
+}
+
+#[test]
+#[ignore = "slow"]
+fn no_solver_exceeds_the_bound_in_more_scenes_at_length() {
+    (1..4).for_each(stay_below_the_bound);
+}
+
+fn stay_below_the_bound(seed: u64) {
     for (count, near) in [(1, 1.0001), (2, 1.0002), (4, 1.12), (16, 1.12), (64, 1.20)] {
-        for seed in 0..2 {
-            let scene = scene(preset("paper20"), random_points(count, 0.1, 200 + seed), None);
-            let problem = problem(&scene);
-            let most = bound(&problem, &mut Control::none()).expect("a bound");
-            let mut best = 0.0_f64;
-            for (name, level) in levels(&scene, &problem) {
-                // The tolerance is for |q| = 1 after rounding to f32.
-                assert!(level <= most * (1.0 + 1e-6), "M = {count}: {name} reaches {level}, the bound is {most}");
-                best = best.max(level);
-            }
-            // The bound of the relaxation is 6 to 10 % above the optimum, and `wgs` does not find the best field (at 64 points
-            // it is uneven by 0.013).
-            assert!(most < near * best, "M = {count}: the bound is {most}, the best level {best}");
+        let scene = scene(preset("paper20"), random_points(count, 0.1, 200 + seed), None);
+        let problem = problem(&scene);
+        let most = bound(&problem, &mut Control::none()).expect("a bound");
+        let mut best = 0.0_f64;
+        for (name, level) in levels(&scene, &problem) {
+            // The tolerance is for |q| = 1 after rounding to f32.
+            assert!(level <= most * (1.0 + 1e-6), "M = {count}: {name} reaches {level}, the bound is {most}");
+            best = best.max(level);
         }
+        // The bound of the relaxation is 6 to 10 % above the optimum, and `wgs` does not find the best field (at 64 points
+        // it is uneven by 0.013).
+        assert!(most < near * best, "M = {count}: the bound is {most}, the best level {best}");
     }
 }
 
