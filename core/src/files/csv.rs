@@ -193,19 +193,19 @@ impl<'a> Columns<'a> {
             return Some(Err(fault(name, None, error)));
         }
         let chosen = self.counted(count).map_err(|error| fault(name, None, error));
-        let chosen = chosen.and_then(|chosen| self.check_first(&rows, name).map(|()| chosen));
-        Some(chosen.map(|chosen| {
+        Some(chosen.and_then(|chosen| {
             for row in &mut rows {
                 row.resize(chosen.len(), f64::NAN);
                 row.iter_mut().zip(&chosen).for_each(|(number, column)| *number *= column.unit);
             }
-            Table { lines: (1..=rows.len()).collect(), rows }
+            self.check_first(&rows, name)?;
+            Ok(Table { lines: (1..=rows.len()).collect(), rows })
         }))
     }
 
     /// Checks that the first column of a table without names is x, and does not count the rows, as that of pandas does.
     fn check_first(&self, rows: &[Vec<f64>], name: &str) -> Result<()> {
-        let counts = |first: usize| rows.iter().enumerate().all(|(k, row)| row[0] == (first + k) as f64);
+        let counts = |first| rows.iter().zip(first..).all(|(row, k)| row[0] == f64::from(k) * self.own("x"));
         let count = rows[0].iter().filter(|x| !x.is_nan()).count();
         let spare = self.choices[0].first() == Some(&"x") && self.counted(count - 1).is_ok();
         if spare && rows.len() > 1 && (counts(0) || counts(1)) {

@@ -108,7 +108,7 @@ def typed(preset: str | None, tiles: str | None, at: Sequence[str] | None, press
         each = f", or {len(points)} with commas between, one a point" if len(points) > 1 else ""
         cure = f"one pressure in Pa{each}"
         pressures = numbers("--pressure", pressure, (1, len(points)), cure)
-    boards = numbers("--tiles", tiles or "1,1", 2, "boards along x and y, such as --tiles 2,2")
+    boards = numbers("--tiles", (tiles or "1,1").replace("x", ","), 2, "boards along x and y, such as --tiles 2,2")
     if not all(number.is_integer() for number in boards):
         raise stated("--tiles", f"is {tiles}", "give whole numbers, such as --tiles 2,2")
     array = Array.preset(preset, (int(boards[0]), int(boards[1])))
