@@ -103,7 +103,7 @@ def built_in(name: str) -> dict[str, str]:
     return {**os.environ, "CARGO_TARGET_DIR": str(BUILT / name)}
 
 
-def both(*lanes: Callable[[], object]) -> None:
+def beside(*lanes: Callable[[], object]) -> None:
     """Runs lanes side by side: most of a compilation keeps one core busy."""
     with ThreadPoolExecutor(len(lanes)) as pool:
         for lane in [pool.submit(lane) for lane in lanes]:
@@ -111,21 +111,23 @@ def both(*lanes: Callable[[], object]) -> None:
 
 
 def build() -> None:
-    """Builds all files of the release into an empty folder."""
+    """Builds all files of the release into an empty folder, and tests each."""
     shutil.rmtree(OUT, ignore_errors=True)
     OUT.mkdir(parents=True)
-    say("licences of what is bundled")
+    say("licences of what is bundled, sources")
     THIRD_PARTY.write_text(third_party(), encoding="utf-8")
     run(BIN / "uv", "pip", "install", "--quiet", "--python", sys.executable, "--group", "wheels")
-    paged = threading.Event()
-    both(partial(first_lane, paged), partial(second_lane, paged))
-    say("sources")
     name = f"midair-{VERSION}"
     run("git", "archive", f"--prefix={name}/", "--output", OUT / f"{name}-source.zip", "HEAD")
+    paged = threading.Event()
+    beside(*[partial(lane, paged) for lane in (web_lane, source_lane, windows_lane)])
+    say("package for Unity")
+    unity()
+    try_unity()
 
 
-def first_lane(paged: threading.Event) -> None:
-    """Builds the studio, the package for Node, the wheels for Linux and the site."""
+def web_lane(paged: threading.Event) -> None:
+    """Builds the studio, the package for Node, the wheel for x86-64 and the site, and tries them."""
     try:
         say("studio and package for Node (5 min)")
         run("studio/door/build.sh", env=built_in("studio"))
@@ -141,20 +143,26 @@ def first_lane(paged: threading.Event) -> None:
         zipfile.ZipFile(linux).extractall(name)
         run("make", "site", env={**os.environ, "PYTHONPATH": name})
     shutil.make_archive(str(OUT / f"midair-{VERSION}-site"), "zip", ROOT / "out" / "site")
-    wheel("aarch64-unknown-linux-gnu")
+    try_wheels()
 
 
-def second_lane(paged: threading.Event) -> None:
-    """Builds the C libraries, Unity's package, the wheel for Windows and the sources, and tries the sources."""
+def source_lane(paged: threading.Event) -> None:
+    """Builds the C library, the crate, the source distribution and the wheel for ARM, and tries the sources."""
     say("C library, crate, source distribution")
     run("cargo", "build", "--release", "--package", "midair-capi", env=built_in("capi"))
     package = ("cargo", "package", "--quiet", "--no-verify", "--allow-dirty", "--package", "midair")
     run(*package, env=built_in("capi"))
     shutil.copy(BUILT / "capi" / "package" / f"midair-{VERSION}.crate", OUT)
     run(BIN / "maturin", "sdist", "--out", OUT)
+    try_crate()
+    try_source()
+    paged.wait()
+    wheel("aarch64-unknown-linux-gnu")
+
+
+def windows_lane(paged: threading.Event) -> None:
+    """Builds the C library and the wheel for Windows, and tries them."""
     lacks = windows("c")
-    say("package for Unity")
-    unity()
     paged.wait()
     lacks = lacks or windows("wheel", "example")
     if lacks:
@@ -162,7 +170,6 @@ def second_lane(paged: threading.Event) -> None:
     else:
         for made in (WINDOWS / "dist").glob("*.whl"):
             shutil.copy(made, OUT)
-    try_sources()
 
 
 def windows(*parts: str) -> str:
@@ -276,6 +283,7 @@ def try_node() -> None:
 
 def try_crate() -> None:
     """Tests a program that depends on the packed crate."""
+    say("crate: a program that uses it (1 min)")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         run("tar", "xzf", OUT / f"midair-{VERSION}.crate", cwd=folder)
@@ -292,10 +300,11 @@ def try_crate() -> None:
 
 
 def try_source() -> None:
-    """Compiles the source distribution, hardly optimised because that takes a third of the time, and tests README's
+    """Compiles the source distribution, not optimised because that takes a third of the time, and tests README's
     example with it.
     """
-    values = {"OPT_LEVEL": "1", "CODEGEN_UNITS": "16", "LTO": "off"}
+    say("source distribution: compiled, example (2 min)")
+    values = {"OPT_LEVEL": "0", "CODEGEN_UNITS": "16", "LTO": "off"}
     fast = {f"CARGO_PROFILE_RELEASE_{key}": value for key, value in values.items()}
     with tempfile.TemporaryDirectory() as name:
         run(BIN / "uv", "venv", "--quiet", Path(name) / "env")
@@ -369,22 +378,13 @@ def try_wheels() -> None:
         try_wheel(python)
     say("first tutorial as a notebook, from the wheel")
     try_notebook()
-    say("package for Node: example. Site, sources, Unity")
-    for part in (try_node, try_site, try_archive, try_unity):
+    say("package for Node: example. Site, sources")
+    for part in (try_node, try_site, try_archive):
         part()
-
-
-def try_sources() -> None:
-    """Tests what must be compiled: the crate and the source distribution."""
-    say("crate: a program that uses it (2 min)")
-    try_crate()
-    say("source distribution: compiled, example (3 min)")
-    try_source()
 
 
 def main() -> None:
     build()
-    try_wheels()
     sums = [f"{hashlib.sha256(file.read_bytes()).hexdigest()}  {file.name}\n" for file in sorted(OUT.iterdir())]
     (OUT / "SHA256SUMS").write_text("".join(sums), "utf-8")
     say("done: docs/publishing.md says what to upload, in which order")
