@@ -1,6 +1,6 @@
 """Beads in flight between two OpenMPD boards: shapes as in OptiTrap, and top speeds.
 
-The shapes have the sizes and rates of V. Paneva et al., "OptiTrap", CHI 2022, in the upright plane through
+The shapes have the sizes and rates of V. Paneva et al., "OptiTrap", ACM TOG 2022, in the upright plane through
 the boards' axis, but outlines of our own. One bead of 1 mm radius moves with 10,000 frames per second on the
 board's phases. `path.fastest` computes each path at two margins (fractions of a trap's largest force): the
 one that gives the paper's rate, and the largest that keeps the bead. `midair.fly` simulates each path for a

@@ -106,8 +106,8 @@ def table(rows: Sequence[Row], bench: str = "bench") -> str:
     versions = dict.fromkeys(f"{row['rival']} {row['version']}" for row in rows if row["rival"] in rivals)
     details = (
         f"{first['date']}, {first['cpu']}, one thread, 2 x 2 AUTD3 boards of point sources, with the"
-        f" computation of G; medians of CPU time over {first['rounds']} rounds; midair is `midair.solve` from"
-        f" NumPy arrays.{_beside_gspat(found)}"
+        f" computation of the propagation matrix; medians of CPU time over {first['rounds']} rounds; midair is"
+        f" `midair.solve` from NumPy arrays.{_beside_gspat(found)}"
         " One forward model judges all drives, after rounding if there is a grid. The values are means over"
         f" {first['scenes']} scenes. {'; '.join(versions)}."
         f" [What the numbers include]({bench}/README.md)."

@@ -307,8 +307,8 @@ impl Scene {
     /// Parameters
     /// ----------
     /// **changes
-    ///     The new parts, with the names of the constructor's arguments, or `plane`. None removes pressures, weights or
-    ///     the plane, and leaves anything else as it is.
+    ///     The new parts, with the names of the constructor's arguments, or `plane`. None removes pressures,
+    ///     weights, signature, obstacles or plane, and leaves anything else as it is.
     ///
     /// Returns
     /// -------

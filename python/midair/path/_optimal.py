@@ -9,7 +9,7 @@ A trap gives at most the force R_k along its axis k, and along several axes the 
 (f_k/R_k)^2 <= margin^2. So at each s, every v^2 has a least and a largest u. The fastest run follows from two
 passes (H. Pham and Q.-C. Pham, IEEE Trans. Robotics 34, 645, 2018). The backward pass finds, at each s, the
 largest v^2 from which the rest of the curve is possible. The forward pass takes the largest u within these
-limits. On a closed curve the passes repeat until end and start match. V. Paneva et al., "OptiTrap", CHI 2022,
+limits. On a closed curve the passes repeat until end and start match. V. Paneva et al., "OptiTrap", ACM TOG 2022,
 find such runs by optimal control.
 """
 
