@@ -14,8 +14,6 @@ export type SceneFile = string | object;
 export interface Reading {
   /** Whether the text is TOML; JSON is recognised by its first character. */
   toml?: boolean;
-  /** Whether to use scalar instructions, which give the same bits on every machine. */
-  scalar?: boolean;
 }
 
 /** A scene with its session: all functions of a Door except `open` and `catalogue`. */
@@ -57,11 +55,11 @@ export async function load(source: Source = new URL(/* @vite-ignore */ "./midair
       door.free();
       return catalogue;
     },
-    open(scene, { toml, scalar } = {}) {
+    open(scene, { toml } = {}) {
       const text = typeof scene === "string" ? scene : written(scene);
       const door = new Door(module);
       try {
-        const warnings = door.open(text, toml ?? !/^\s*\{/.test(text), scalar);
+        const warnings = door.open(text, toml ?? !/^\s*\{/.test(text));
         return Object.assign(door, { warnings });
       } catch (error) {
         door.free();

@@ -45,7 +45,7 @@ test("the example runs in an empty folder", () => {
 test("its types are found by TypeScript", () => {
   writeFileSync(
     join(folder, "use.ts"),
-    'import { load, type Answer } from "midair";\nconst scene = (await load()).open({}, { scalar: true });\n' +
+    'import { load, type Answer } from "midair";\nconst scene = (await load()).open({}, { toml: false });\n' +
       "const answer: Answer = scene.solve();\nconst drive: Float32Array = answer.drive;\nconsole.log(drive.length, answer.status);\n",
   );
   const tsc = join(here, "../../studio/node_modules/.bin/tsc");
@@ -59,7 +59,7 @@ for (const name of readdirSync(golden).filter((name) => name.endsWith(".json")))
     const record = JSON.parse(text);
     // The text is used unparsed, because a JavaScript number cannot store a seed of 64 bits.
     const scene = text.slice(text.indexOf('"scene":') + 8, text.lastIndexOf("}"));
-    const own = midair.open(scene.replace('"solver":{', `"solver":{"balance":${record.balance},`), { scalar: true });
+    const own = midair.open(scene.replace('"solver":{', `"solver":{"balance":${record.balance},`));
     assert.deepEqual(own.solve().drive, Float32Array.from(record.drive.flat()));
     own.free();
   });
@@ -122,7 +122,7 @@ test("glide follows: no phase turns by more than its bound", () => {
 for (const name of readdirSync(join(golden, "motion"))) {
   test(`golden/motion/${name}: frames and the bytes of a board`, () => {
     const { motion, board, points, targets, bytes } = JSON.parse(readFileSync(join(golden, "motion", name), "utf8"));
-    const scene = midair.open(motion, { scalar: true });
+    const scene = midair.open(motion);
     const moving = scene.motion();
     assert.equal(moving.rate, motion.motion.rate);
     assert.deepEqual([...moving.points], points.flat());

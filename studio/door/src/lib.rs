@@ -76,9 +76,8 @@ macro_rules! jobs {
 }
 
 jobs! {
-    /// Opens the scene in the text buffer: TOML or JSON; with scalar instructions or the best ones. Writes the scene's
-    /// warnings to the text.
-    studio_open(toml: bool, scalar: bool) = open;
+    /// Opens the scene in the text buffer: TOML or JSON. Writes the scene's warnings to the text.
+    studio_open(toml: bool) = open;
 
     /// Writes the scene to the text as the command line does: TOML or JSON.
     studio_save(toml: bool) = save;

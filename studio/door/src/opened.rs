@@ -11,7 +11,6 @@ pub(crate) struct Opened {
     pub(crate) ask: SolveRequest,
     /// The frames of a scene file with `[motion]`.
     pub(crate) moving: Option<Moving>,
-    set: InstructionSet,
 }
 
 fn format(toml: bool) -> Format {
@@ -20,12 +19,13 @@ fn format(toml: bool) -> Format {
 
 impl Opened {
     /// Reads the text of a scene file.
-    pub(crate) fn read(text: &[u8], toml: bool, set: InstructionSet) -> Result<Self> {
+    pub(crate) fn read(text: &[u8], toml: bool) -> Result<Self> {
+        let set = InstructionSet::best();
         let (scene, moving) = files::open(text, format(toml), Source::default(), set)?;
         let model = Model::of(&scene, set);
         let session = Session::chosen(model.clone(), scene.solver.as_ref())?;
         let ask = SolveRequest::of_scene(&scene);
-        Ok(Self { scene, model, session, ask, moving, set })
+        Ok(Self { scene, model, session, ask, moving })
     }
 
     /// Moves the points of the scene, with these pressures or, if there are none, the old ones.
@@ -63,6 +63,6 @@ impl Opened {
 
     /// Returns the problem of the scene.
     pub(crate) fn problem(&self) -> Result<Problem> {
-        Problem::of_scene(&self.scene, self.set, &mut Control::none())
+        Problem::of_scene(&self.scene, InstructionSet::best(), &mut Control::none())
     }
 }

@@ -3,7 +3,7 @@
 use midair::files::{read_array, read_drive, write_drive};
 use midair::flight::Course;
 use midair::touch::Touch;
-use midair::{Array, Complex32, Control, Error, InstructionSet, Moving, Notice, Precision, Result, bound, spl};
+use midair::{Array, Complex32, Control, Error, Moving, Notice, Precision, Result, bound, spl};
 use serde_json::{Value, json};
 
 use crate::lattices::Lattices;
@@ -56,13 +56,12 @@ impl Studio {
         }
     }
 
-    pub(crate) fn open(&mut self, toml: bool, scalar: bool) -> Result<()> {
-        let set = if scalar { InstructionSet::SCALAR } else { InstructionSet::best() };
+    pub(crate) fn open(&mut self, toml: bool) -> Result<()> {
         self.frames.clear();
         self.touch = None;
         self.course = None;
         self.drive.clear();
-        let opened = self.opened.insert(Opened::read(&self.text_in, toml, set)?);
+        let opened = self.opened.insert(Opened::read(&self.text_in, toml)?);
         let moving = opened.moving.iter().flat_map(Moving::doubts);
         self.text = notices(opened.scene.doubts().into_iter().chain(moving)).to_string();
         Ok(())

@@ -140,7 +140,7 @@ export class Page {
     root.classList.add("studio");
     root.classList.toggle("compact", Boolean(manner.compact));
     root.dataset.theme = manner.theme;
-    root.lang = manner.language;
+    (manner.compact ? root : document.documentElement).lang = manner.language;
     root.replaceChildren(this.painting.canvas, ...(manner.compact ? [] : [skip, this.bar.root]), main, context.alert, context.status, tip);
   }
 

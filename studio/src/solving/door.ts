@@ -160,9 +160,9 @@ export class Door {
   }
 
   /** Opens the text of a scene file; returns warnings about probable mistakes. */
-  open(text: string, toml = false, scalar = false): Notice[] {
+  open(text: string, toml = false): Notice[] {
     this.giveText(text);
-    this.call("open", Number(toml), Number(scalar));
+    this.call("open", Number(toml));
     return JSON.parse(this.text());
   }
 
