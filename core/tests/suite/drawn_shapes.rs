@@ -88,20 +88,20 @@ fn meet(points: Vec<[f64; 3]>) {
 #[test]
 #[ignore = "slow"]
 fn dense_sets_are_nearly_as_loud_as_the_best_that_is_known() {
-    reach(line(0.08, 2.5e-3), 1.34);
-    reach(disc(0.025, 4e-3), 1.38);
+    reach(&line(0.08, 2.5e-3), 1.34);
+    reach(&disc(0.025, 4e-3), 1.38);
 }
 
 #[test]
 #[ignore = "slow"]
 fn a_dense_ring_is_nearly_as_loud_at_length() {
-    reach(ring(126, 0.04), 1.60);
+    reach(&ring(126, 0.04), 1.60);
 }
 
 /// Compares with the highest level, relative to the balanced level, that long runs of L-BFGS in f64 found.
-fn reach(points: Vec<[f64; 3]>, known: f64) {
+fn reach(points: &[[f64; 3]], known: f64) {
     let highest = |solver: &dyn Solve| {
-        let solution = solved(&requested(points.clone(), 1.0).with_aim(Aim::Max), solver);
+        let solution = solved(&requested(points.to_vec(), 1.0).with_aim(Aim::Max), solver);
         let metrics = solution.metrics();
         assert!(metrics.uniformity >= 0.99, "{metrics:?}");
         metrics.level * metrics.uniformity / known
