@@ -121,7 +121,6 @@ def build() -> None:
     run("git", "archive", f"--prefix={name}/", "--output", OUT / f"{name}-source.zip", "HEAD")
     paged = threading.Event()
     beside(*[partial(lane, paged) for lane in (web_lane, source_lane, windows_lane)])
-    say("package for Unity")
     unity()
     try_unity()
 
@@ -283,7 +282,6 @@ def try_node() -> None:
 
 def try_crate() -> None:
     """Tests a program that depends on the packed crate."""
-    say("crate: a program that uses it (1 min)")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         run("tar", "xzf", OUT / f"midair-{VERSION}.crate", cwd=folder)
@@ -303,7 +301,6 @@ def try_source() -> None:
     """Compiles the source distribution, not optimised because that takes a third of the time, and tests README's
     example with it.
     """
-    say("source distribution: compiled, example (2 min)")
     values = {"OPT_LEVEL": "0", "CODEGEN_UNITS": "16", "LTO": "off"}
     fast = {f"CARGO_PROFILE_RELEASE_{key}": value for key, value in values.items()}
     with tempfile.TemporaryDirectory() as name:
@@ -376,9 +373,7 @@ def try_wheels() -> None:
             continue
         say(f"wheel on Python {python}: example, command line, board, studio")
         try_wheel(python)
-    say("first tutorial as a notebook, from the wheel")
     try_notebook()
-    say("package for Node: example. Site, sources")
     for part in (try_node, try_site, try_archive):
         part()
 

@@ -65,6 +65,28 @@ def test_a_board_is_known_by_its_order_wherever_it_stands() -> None:
         surface.send(midair.solve(scene))
 
 
+@pytest.mark.filterwarnings("ignore::midair.SceneWarning")
+def test_a_drive_for_another_frequency_is_refused_by_every_way_to_a_board(tmp_path: Path) -> None:
+    array = midair.Array.preset("sonicsurface")
+    solution = midair.solve(midair.Scene(array, FOCUS, frequency=25e3))
+    sequence = midair.sequence(array, [FOCUS, FOCUS], rate=50, frequency=25e3)
+    reported = "the drive was solved for 25000 Hz: the board emits 40000 Hz, solve for that"
+    with midair.connect("sonicsurface:loop", array=array) as surface:
+        for way in (
+            lambda: surface.board.encode(solution),
+            lambda: surface.send(solution),
+            lambda: surface.stream(sequence),
+            lambda: midair.write(tmp_path / "a.bin", solution, board="sonicsurface"),
+            lambda: midair.write(tmp_path / "a.bin", sequence, board="sonicsurface"),
+        ):
+            with pytest.raises(midair.SceneError) as caught:
+                way()
+            assert str(caught.value) == reported
+        # A MEGA64 emits 40.4 kHz, 1 % above the frequency of arrays of one's own.
+        surface.send(midair.solve(midair.Scene(array, FOCUS, frequency=40.4e3)))
+    assert not (tmp_path / "a.bin").exists()
+
+
 def test_x_slow_on_a_sonicsurface_is_refused_or_put_in_order() -> None:
     array = midair.Array(SLOW, source_pressure=2.4, directivity={"sinc": 9e-3})
     with pytest.raises(midair.SceneError, match=r"give its transducers in the order \[0, 16, 32, .*pins=\[0, "):

@@ -8,8 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Codec, Solution, array_parts, presets
+from .._midair import Array, Codec, Solution, array_parts, presets, stated
 from .._support.arguments import refused, warn
+
+#: Largest part by which the frequency of a drive may differ from that of its board.
+DETUNED = 0.02
 
 
 class Layout(NamedTuple):
@@ -191,7 +194,7 @@ class Board:
         ------
         SceneError
             For a drive of another shape, not finite, above 1, or different within one channel; for a solution
-            for transducers at other places or in another order.
+            for another frequency, or for transducers at other places or in another order.
         """
         frame = self._frame(drive)
         self._warn_of_silence(drive, frame)
@@ -200,15 +203,20 @@ class Board:
     def _frame(self, drive: ArrayLike | Solution) -> bytes:
         """Return the frame of a drive, as `encode`, without a warning."""
         if isinstance(drive, Solution):
-            drive = drive.drive if drive.scene is None else self._fit(drive.scene.array)(drive.drive)
+            scene = drive.scene
+            drive = drive.drive if scene is None else self._fit(scene.array, scene.frequency)(drive.drive)
         return self._codec.encode(drive)
 
-    def _fit(self, array: Array) -> Callable[[NDArray[Any]], NDArray[Any]]:
+    def _fit(self, array: Array, frequency: float | None = None) -> Callable[[NDArray[Any]], NDArray[Any]]:
         """Return the function that makes a drive of an array one of `self.array`.
 
         If the array lacks the response of the board, its phases are subtracted. Raises SceneError for another
-        array.
+        array or frequency in Hz.
         """
+        emitted = self.array.medium["frequency"]
+        if frequency is not None and abs(frequency / emitted - 1) > DETUNED:
+            cure = f"the board emits {emitted:g} Hz, solve for that"
+            raise stated("the drive", f"was solved for {frequency:g} Hz", cure, code="conflict")
         self.array._check_drive_of(array)
         own = self.array.response
         if own is None or array.response is not None:

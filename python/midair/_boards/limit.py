@@ -75,7 +75,7 @@ def refuse_real(drive: Any) -> None:
 def given_drives(board: Board, given: Any) -> Iterator[ArrayLike | Solution]:
     """Yield the drives of a stream: of a sequence, an array (T, N) or any iterable. Rejects other values."""
     if isinstance(given, Sequence):
-        fit = board._fit(given.array)
+        fit = board._fit(given.array, given.scene(0).frequency)
         return (fit(given.drive(frame)) for frame in range(len(given)))
     if is_array(given):
         count = len(board.array)

@@ -84,12 +84,13 @@ def played(drives: Any, board: Board | None) -> Played:
 
     Drives without an array of their own get the board's array.
     """
-    array = None if board is None else board.array
+    array, frequency = None if board is None else board.array, None
     if isinstance(drives, Solution):
         scene, drive = drives.scene, drives.drive
-        array = array if scene is None else scene.array
+        array, frequency = (array, None) if scene is None else (scene.array, scene.frequency)
         found = Played(1, len(drive), True, array, lambda _: drive)
     elif isinstance(drives, Sequence):
+        frequency = drives.scene(0).frequency
         found = Played(len(drives), len(drives.array), False, drives.array, drives.drive)
     else:
         cure = "give a Solution, a Sequence, or complex drives (N,) or (T, N), not codes of a board"
@@ -101,7 +102,7 @@ def played(drives: Any, board: Board | None) -> Played:
         reported = f"drives of {found.transducers} transducers, board of {len(board.array)}"
         raise stated("", reported, "give drives for the board's array, or another board")
     if board is not None and found.array is not None:
-        board.array._check_drive_of(found.array)
+        board._fit(found.array, frequency)
     return found
 
 
