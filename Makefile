@@ -13,9 +13,9 @@ export UV_PYTHON_DOWNLOADS := never
 unexport PYTHONDONTWRITEBYTECODE
 export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
-CORE := -p midair --no-default-features --features scene-file,parallel
+CORE := -p midair --no-default-features --features scene-file
 # Beside the Python extension, the core's dependencies have the extension's features: both share one compiled core.
-SHARED := -p midair -p midair-python -p midair-fuzz --no-default-features --features midair/scene-file,midair/parallel
+SHARED := -p midair -p midair-python -p midair-fuzz --no-default-features --features midair/scene-file
 SHOWN := naive,greedy,uniform
 BUILT := $(or $(CARGO_TARGET_DIR),target)/release
 PREFIX := /usr/local
@@ -96,10 +96,9 @@ compiled:
 
 test-rust: compiled ## The core: tests, doctests, each feature set, no_std
 	$(call step,core: tests run (2 min),$(CARGO) test --quiet $(SHARED) -- --include-ignored --skip at_length)
-	$(call step,core: a program without std and features std and parallel (20 s),\
+	$(call step,core: a program without std and feature std (20 s),\
 		{ $(CARGO) run --quiet --manifest-path core/tests/no_std/Cargo.toml & \
-		$(CARGO) check -p midair --no-default-features --features std \
-		&& $(CARGO) check -p midair --no-default-features --features parallel && wait $$!; })
+		$(CARGO) check -p midair --no-default-features --features std && wait $$!; })
 
 test-python: .venv/extension ## The package: tests, stubs, types
 	$(call step,package: tests (8 min),$(PYTHON) -m pytest --numprocesses auto --dist worksteal)
@@ -170,7 +169,7 @@ test-matlab: .venv/extension matlab ## MATLAB's functions in Octave: the bits of
 
 lint: .venv/ready ## Formatting, clippy, rustdoc, ruff, spelling: warnings are errors
 	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)
-	$(call step,lint: clippy on the core and the extension and the C library (1 min),$(CARGO) clippy --target-dir target/lint --workspace --all-targets --features midair/scene-file --features midair/parallel -- -D warnings)
+	$(call step,lint: clippy on the core and the extension and the C library (1 min),$(CARGO) clippy --target-dir target/lint --workspace --all-targets --features midair/scene-file -- -D warnings)
 	$(call step,lint: the core's documentation (5 s),RUSTDOCFLAGS="-D warnings" $(CARGO) doc --target-dir target/lint --no-deps $(CORE))
 	$(call step,lint: Python (2 s),$(BIN)/ruff check $(CODE) && $(BIN)/ruff check --preview --select PLW1514 $(CODE))
 	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check $(CODE))
@@ -270,7 +269,7 @@ pins: ## Pin what pyproject.toml asks for, names and versions only
 wheels: setup studio ## Wheels for Linux, x86-64 and 64-bit ARM, with the studio, into dist (15 min)
 	python/wheels.sh
 
-release: book/.venv/ready studio/node_modules ## Rehearse a release: all parts into out/release, each tried in an empty folder (18 min)
+release: book/.venv/ready studio/node_modules ## Rehearse a release: all parts into out/release, each tried in an empty folder (15 min)
 	$(PYTHON) python/release.py
 
 clean: ## Remove what was built

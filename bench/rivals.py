@@ -33,7 +33,7 @@ ALONE = 0.85
 
 BENCH = Path(__file__).parent
 ENVIRONMENTS, WORKERS = BENCH / ".envs", BENCH / "workers"
-ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("RAYON", "OMP", "OPENBLAS", "MKL")}
+ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("RAYON", "OMP", "OPENBLAS", "MKL")} | {"MIDAIR_THREADS": "1"}
 
 
 class Rival(NamedTuple):

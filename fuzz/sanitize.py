@@ -16,7 +16,7 @@ MOST = 3600
 #: The words by which a log says why a check ended.
 ENDS = (r"\w+Sanitizer: .*", r"Undefined Behavior: .*", r"test result: FAILED.*", r"error.*")
 
-FEATURES = ["-p", "midair", "--features", "scene-file,parallel"]
+FEATURES = ["-p", "midair", "--features", "scene-file"]
 
 
 class Check(NamedTuple):
@@ -62,7 +62,7 @@ def miri(name: str, flags: str) -> Check:
 def checks() -> dict[str, list[Check]]:
     """Returns the checks, by the word that selects them on the command line."""
     address = {"RUSTFLAGS": "-Zsanitizer=address", "ASAN_OPTIONS": "detect_leaks=1"}
-    thread = {"RUSTFLAGS": "-Zsanitizer=thread", "RAYON_NUM_THREADS": "4"}
+    thread = {"RUSTFLAGS": "-Zsanitizer=thread"}
     core, suite = tests("address", "--lib"), tests("address", "--test", "suite")
     parallel = tests("thread", "--test", "suite", "--", "session", "field", "bit_for_bit")
     return {

@@ -36,6 +36,7 @@ PYTHONS = ("3.11", "3.12", "3.13", "3.14")
 #: Where Rust compiles. Each part has a folder of its own, because a folder serves one build at a time.
 BUILT = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).absolute()
 WINDOWS = ROOT / "out" / "windows"
+LINUX = "x86_64-unknown-linux-gnu"
 THIRD_PARTY = ROOT / "python" / "THIRD-PARTY.md"
 #: Licences of crates in a wheel that are allowed: none requires more than a copy of its text.
 ALLOWED = {"MIT", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "BSD-2-Clause", "BSD-3-Clause", "ISC"}
@@ -135,7 +136,7 @@ def web_lane(paged: threading.Event) -> None:
         run("npm", "pack", "./npm", "--pack-destination", OUT)
     finally:
         paged.set()
-    wheel("x86_64-unknown-linux-gnu")
+    wheel(LINUX)
     say("site: the book with the studio")
     (linux,) = OUT.glob("*manylinux*x86_64*.whl")
     with tempfile.TemporaryDirectory() as name:
@@ -148,7 +149,9 @@ def web_lane(paged: threading.Event) -> None:
 def source_lane(paged: threading.Event) -> None:
     """Builds the C library, the crate, the source distribution and the wheel for ARM, and tries the sources."""
     say("C library, crate, source distribution")
-    run("cargo", "build", "--release", "--package", "midair-capi", env=built_in("capi"))
+    # In the folder of the wheel, which has the same core.
+    library = ("cargo", "build", "--release", "--package", "midair-capi", "--target", LINUX)
+    run("python/zig.sh", LINUX, *library, env=built_in(LINUX))
     package = ("cargo", "package", "--quiet", "--no-verify", "--allow-dirty", "--package", "midair")
     run(*package, env=built_in("capi"))
     shutil.copy(BUILT / "capi" / "package" / f"midair-{VERSION}.crate", OUT)
@@ -196,7 +199,7 @@ def unity() -> None:
     files = run("git", "ls-files", "unity/package.json", "unity/Runtime/*.*s*", "unity/Samples~").split()
     contents = {each.removeprefix("unity/"): ROOT / each for each in files} | {
         "LICENSE.md": ROOT / "LICENSE",
-        "Runtime/Plugins/Linux/x86_64/libmidair.so": BUILT / "capi" / "release" / "libmidair.so",
+        "Runtime/Plugins/Linux/x86_64/libmidair.so": BUILT / LINUX / LINUX / "release" / "libmidair.so",
         "Runtime/Plugins/Windows/x86_64/midair.dll": WINDOWS / "python" / "bin" / "midair.dll",
     }
     with tempfile.TemporaryDirectory() as name:
@@ -294,7 +297,8 @@ def try_crate() -> None:
         uses, _, rest = found[1].partition("\n\n")
         main = f"{uses}\n\nfn main() -> Result<(), midair::Error> {{\n{rest}}}\n"
         (program / "src" / "main.rs").write_text(main, "utf-8")
-        run("cargo", "run", "--quiet", cwd=program, env={**os.environ, "CARGO_TARGET_DIR": str(folder / "target")})
+        built = {"CARGO_TARGET_DIR": str(folder / "target"), "CARGO_PROFILE_DEV_DEBUG": "false"}
+        run("cargo", "run", "--quiet", cwd=program, env=os.environ | built)
 
 
 def try_source() -> None:

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::thread;
 
 use midair::files::Source;
-use midair::{Complex32, Control, Error, Result, SolveRequest, Threads};
+use midair::{Complex32, Control, Error, Result, SolveRequest};
 
 use crate::answer::Answer;
 use crate::memory::{Complex, Lists, list, path_or_none, room, text, write};
@@ -86,7 +86,7 @@ pub unsafe extern "C" fn midair_session_solve_batch(
         let mut output = vec![Complex32::ZERO; rows];
         let threads = at_most(threads);
         let mut solve = || {
-            let control = &mut Control::none().on(Threads::default().at_most(threads));
+            let control = &mut Control::none().with_threads(threads);
             session.solve_batch(problems, count, &request, &mut output, control)
         };
         let batch = if threads == 1 { solve() } else { aside(solve)? }?;

@@ -7,7 +7,7 @@ use core::ops::ControlFlow;
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::{Error, ErrorCode, Notice, Result};
-use crate::threads::Threads;
+use crate::threads;
 
 /// How far a solve has progressed.
 #[derive(Clone, Copy)]
@@ -85,13 +85,12 @@ pub struct Control<'a> {
     received: bool,
     pulses: u32,
     trace: Option<Vec<f64>>,
-    threads: Threads,
+    threads: usize,
     memory: u64,
 }
 
 impl Default for Control<'_> {
     fn default() -> Self {
-        let threads = Threads::default();
         Self {
             observer: None,
             reported: true,
@@ -99,7 +98,7 @@ impl Default for Control<'_> {
             received: false,
             pulses: 0,
             trace: None,
-            threads,
+            threads: 1,
             memory: MEMORY,
         }
     }
@@ -123,10 +122,11 @@ impl<'a> Control<'a> {
         self
     }
 
-    /// Sets the threads that share the work.
+    /// Sets the number of threads that share the work, 1 by default. They are started when there is work for them, and end
+    /// with it. Results have the same bits for any number.
     #[must_use]
-    pub fn on(mut self, threads: Threads) -> Self {
-        self.threads = threads;
+    pub fn with_threads(mut self, threads: usize) -> Self {
+        self.threads = threads.max(1);
         self
     }
 
@@ -202,7 +202,7 @@ impl<'a> Control<'a> {
 
     /// The number of parts that [`Control::each`] runs at the same time.
     pub(crate) fn threads(&self) -> usize {
-        self.threads.count()
+        self.threads
     }
 
     /// Returns the control for a part of the work, which passes pulses to the observer, but no steps.
@@ -211,6 +211,7 @@ impl<'a> Control<'a> {
             observer: self.observer.as_mut().map(|observer| &mut **observer as &mut dyn Observe),
             reported: false,
             stop: self.stop,
+            threads: self.threads,
             memory: self.memory,
             ..Control::default()
         }
@@ -223,11 +224,11 @@ impl<'a> Control<'a> {
         parts: Vec<T>,
         run: &(dyn Fn(T, &mut Control) -> Result<()> + Sync),
     ) -> Result<()> {
-        let (stop, memory, threads) = (AtomicBool::new(false), self.memory, self.threads.clone());
+        let (stop, memory, threads) = (AtomicBool::new(false), self.memory, self.threads);
         // A part may be too short for a pulse that is passed on, so each begins with one.
         let begin = |part: T, control: &mut Control| control.beat().and_then(|()| run(part, control));
         let alone = |part: T| begin(part, &mut Control { stop: Some(&stop), memory, ..Control::default() });
-        match threads.spread(parts, &stop, &mut || self.beat().is_ok(), &alone) {
+        match threads::spread(threads, parts, &stop, &mut || self.beat().is_ok(), &alone) {
             Ok(results) => results.into_iter().collect(),
             Err(parts) => parts.into_iter().try_for_each(|part| begin(part, &mut self.part())),
         }

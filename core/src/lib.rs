@@ -33,8 +33,8 @@
 //! SI units, time factor e^{-jwt}, |p| is the peak amplitude; all conventions are in `docs/conventions.md`.
 //!
 //! # Features
-//! `std` (default; without it the crate is `no_std` + alloc), `parallel` (batches and fields over all threads),
-//! `scene-file` (scenes as TOML or JSON text).
+//! `std` (default; without it the crate is `no_std` + alloc), `scene-file` (scenes as TOML or JSON
+//! text).
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;
@@ -92,7 +92,6 @@ pub use session::{
 pub use solvers::options::private as __private;
 pub use solvers::options::{Configure, OptionInfo};
 pub use solvers::{Solve, solve::solve};
-pub use threads::Threads;
 pub use workspace::{Buffer, Pool, Workspace};
 
 /// The chapters of `docs/` whose code is run as tests.

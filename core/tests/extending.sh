@@ -87,7 +87,7 @@ at_most 4 'a directivity'
 
 . core/tests/trials.sh
 
-own=(--manifest-path "$copy/Cargo.toml" -p midair --features scene-file,parallel)
+own=(--manifest-path "$copy/Cargo.toml" -p midair --features scene-file)
 export CARGO_TARGET_DIR=$PWD/target
 rustfmt --check --edition 2024 "$copy/$file" "$copy/$law"
 cargo clippy --quiet "${own[@]}" -- -D warnings

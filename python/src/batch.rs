@@ -300,7 +300,7 @@ pub(crate) fn solve_batch(
         Some(out) => out::borrowed(out, &[count, transducers])?,
     };
     read::callback(progress.as_ref().map(|callback| callback.bind(py)), "done, problems, residual")?;
-    let threads = limits::at_most(py, threads)?;
+    let threads = limits::at_most(threads)?;
     let clock = Instant::now();
     let write = |k: usize, single: &mut SolveRequest| -> Result<(), midair::Error> {
         request.write(k, size, single);
@@ -312,8 +312,9 @@ pub(crate) fn solve_batch(
         Ok(())
     };
     let slice = writable.as_slice_mut()?;
-    let inner =
-        attend(py, progress, |control| session.solve_batch(count, size, &write, slice, &mut control.on(threads)));
+    let inner = attend(py, progress, |control| {
+        session.solve_batch(count, size, &write, slice, &mut control.with_threads(threads))
+    });
     raised.check()?;
     let inner = inner?;
     let drives = (**writable).clone();

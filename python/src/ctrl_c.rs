@@ -9,16 +9,16 @@ use pyo3::prelude::*;
 use crate::error::refused;
 use crate::limits;
 
-/// Runs a long computation of the core without the GIL. Signals stop it within a tenth of a second; `progress` is called
-/// every step.
+/// Runs a long computation of the core without the GIL, on all threads. Signals stop it within a tenth of a second; `progress`
+/// is called every step.
 pub(crate) fn attend<R: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
     work: impl FnOnce(Control<'_>) -> Result<R, midair::Error> + Send,
 ) -> PyResult<R> {
-    let memory = limits::memory()?;
+    let (memory, threads) = (limits::memory()?, limits::threads()?);
     let mut watch = Watch::new(progress);
-    let result = py.detach(|| work(Control::watched(&mut watch).with_memory(memory)));
+    let result = py.detach(|| work(Control::watched(&mut watch).with_memory(memory).with_threads(threads)));
     watch.raised()?;
     result.map_err(refused)
 }

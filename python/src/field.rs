@@ -251,13 +251,11 @@ pub(crate) fn field<'py>(
         Some(Places::Points(points)) => inner.doubt_places(points, |k| format!("field points[{k}]")),
         _ => None,
     };
-    let threads = limits::threads(py)?;
-    let mut others = attend(py, None, |control| {
-        let control = &mut control.on(threads);
+    let mut others = attend(py, None, |mut control| {
         let mut sample = |places: Places| {
             let pressure = match &places {
-                Places::Plane(plane) => midair::field(&model, &drive, &plane.points(), control),
-                Places::Points(points) => midair::field(&model, &drive, points, control),
+                Places::Plane(plane) => midair::field(&model, &drive, &plane.points(), &mut control),
+                Places::Points(points) => midair::field(&model, &drive, points, &mut control),
             };
             Ok(Picture { places, pressure: pressure?.into() })
         };

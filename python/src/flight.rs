@@ -145,10 +145,9 @@ impl Course {
         let (places, speeds) = (read::vectors("beads", &places)?, read::vectors("speeds", &speeds)?);
         let each = places.iter().zip(&speeds).zip(&points);
         let beads: Vec<_> = each.map(|((&place, &speed), &point)| BeadStart { place, speed, point }).collect();
-        let threads = limits::threads(py)?;
-        let (times, flown) = attend(py, None, |control| {
+        let (times, flown) = attend(py, None, |mut control| {
             let inner = self.inner();
-            let flown = inner.fly(&model, bead, &beads, knots, &mut control.on(threads))?;
+            let flown = inner.fly(&model, bead, &beads, knots, &mut control)?;
             Ok((inner.times(knots), flown))
         })?;
         let tracks =

@@ -229,8 +229,7 @@ pub(crate) fn gorkov<'py>(
     bead: Argument<'_, 'py>,
 ) -> PyResult<Gorkov> {
     let Requested { model, drive, points, particle, gravity, .. } = requested(scene, drive, points, bead)?;
-    let threads = limits::threads(py)?;
-    let felt = attend(py, None, |control| midair::gorkov(&model, &drive, &points, particle, &mut control.on(threads)))?;
+    let felt = attend(py, None, |mut control| midair::gorkov(&model, &drive, &points, particle, &mut control))?;
     let midair::Gorkov { potential, force, hessian, .. } = felt;
     let (weight, mass) = (particle.weight(model.medium(), gravity), particle.mass(model.medium()));
     Ok(Gorkov { potential, force, hessian, weight, mass })
@@ -278,9 +277,8 @@ pub(crate) fn rest<'py>(
     bead: Argument<'_, 'py>,
 ) -> PyResult<Rest> {
     let Requested { model, drive, points, particle, gravity, remark } = requested(scene, drive, points, bead)?;
-    let threads = limits::threads(py)?;
     let midair::Rest { place, held, stiffness, axes, basin, restoring, .. } =
-        attend(py, None, |control| midair::rest(&model, &drive, &points, particle, gravity, &mut control.on(threads)))?;
+        attend(py, None, |mut control| midair::rest(&model, &drive, &points, particle, gravity, &mut control))?;
     warn_all(py, remark)?;
     Ok(Rest { place, held, stiffness, axes, basin, restoring, mass: particle.mass(model.medium()) })
 }

@@ -90,15 +90,13 @@ pub(crate) fn gradient<'py>(
     if let Some(particle) = quantity.particle() {
         warn_all(py, particle.remark(model.medium()))?;
     }
-    let threads = limits::threads(py)?;
     let Some(cotangent) = cotangent else {
-        let value = attend(py, None, |control| quantity.value(&model, &drive, &points, &mut control.on(threads)))?;
+        let value = attend(py, None, |mut control| quantity.value(&model, &drive, &points, &mut control))?;
         return PyTuple::new(py, [array_of(py, quantity, value)?]);
     };
     let cotangent = self::cotangent(quantity, &cotangent, points.len())?;
-    let by = attend(py, None, |control| {
-        midair::gradient(&model, &drive, &points, quantity, &cotangent, &mut control.on(threads))
-    })?;
+    let by =
+        attend(py, None, |mut control| midair::gradient(&model, &drive, &points, quantity, &cotangent, &mut control))?;
     let parts = [
         array_of(py, quantity, by.value)?,
         by.drive.into_pyarray(py).into_any(),

@@ -1,6 +1,6 @@
 //! `midair.judge`: metrics of a drive. `midair.bound`: an upper bound of the level that any drive can reach.
 
-use midair::{Precision, SolveRequest, Threads};
+use midair::{Precision, SolveRequest};
 use numpy::PyUntypedArray;
 
 use crate::metrics::{BatchMetrics, Metrics};
@@ -125,7 +125,7 @@ pub(crate) fn judge<'py>(
         .map_or(Ok(Precision::default()), |value| read::word("precision", value, "give \"single\" or \"double\""))?;
     let beside = Beside { pressures, weights, mask, ..Beside::default() };
     if let Some(drives) = drive.filter(|drive| points.is_some() || is_table(drive)) {
-        let work = Work { precision, threads: limits::at_most(py, threads)?, progress };
+        let work = Work { precision, threads: limits::at_most(threads)?, progress };
         return Ok(Bound::new(py, judge_many(scene, drives, points, beside, work)?)?.into_any());
     }
     if points.is_some() || threads.is_some() || progress.is_some() {
@@ -154,7 +154,7 @@ fn is_table(drive: &Bound<'_, PyAny>) -> bool {
 /// Settings of the evaluation of many drives.
 struct Work {
     precision: Precision,
-    threads: Threads,
+    threads: usize,
     progress: Option<Py<PyAny>>,
 }
 
@@ -205,7 +205,7 @@ fn judge_many(
     };
     let drives = drives.slice()?;
     let inner = attend(py, progress, |control| {
-        session.judge_batch(count, size, &write, drives, precision, &mut control.on(threads))
+        session.judge_batch(count, size, &write, drives, precision, &mut control.with_threads(threads))
     })?;
     Ok(BatchMetrics { inner })
 }

@@ -1,12 +1,10 @@
-//! Limits of a computation: threads of this process, and memory.
+//! Limits of a computation: threads, and memory.
 
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use std::{mem, process};
+use std::num::NonZero;
+use std::sync::OnceLock;
+use std::thread;
 
-use midair::Threads;
-use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::error::invalid;
 use crate::read;
@@ -14,33 +12,25 @@ use crate::read;
 /// Default memory limit in bytes.
 const MEMORY: u64 = 8_000_000_000;
 
-/// Returns the thread pool of this process, one thread per processor. A forked child has no threads of its parent, so it
-/// gets a new pool.
-pub(crate) fn threads(_py: Python<'_>) -> PyResult<Threads> {
-    static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
-    // Only a thread with the GIL takes this lock, so it is never locked when Python forks.
-    let mut lock = POOL.lock().unwrap_or_else(PoisonError::into_inner);
-    let process = process::id();
-    if let Some((owner, pool)) = &*lock
-        && *owner == process
-    {
-        return Ok(Threads::of(Arc::clone(pool)));
-    }
-    let built = ThreadPoolBuilder::new().build();
-    let pool = Arc::new(built.map_err(|error| PyRuntimeError::new_err(format!("no threads to work with: {error}")))?);
-    // The parent's pool is not dropped: dropping would wait for threads that do not exist in this process.
-    mem::forget(lock.replace((process, Arc::clone(&pool))));
-    Ok(Threads::of(pool))
+/// Returns the number of threads of a computation: `MIDAIR_THREADS`, by default one per processor. The variable is read once.
+pub(crate) fn threads() -> PyResult<usize> {
+    static REQUESTED: OnceLock<Result<usize, String>> = OnceLock::new();
+    let read = || match variable("MIDAIR_THREADS") {
+        None => Ok(thread::available_parallelism().map_or(1, NonZero::get)),
+        Some(text) => text.trim().parse().ok().filter(|count| (1..=1024).contains(count)).ok_or(text),
+    };
+    REQUESTED
+        .get_or_init(read)
+        .clone()
+        .map_err(|text| invalid("MIDAIR_THREADS", &format!("\"{text}\""), "give a whole number of threads, 1 to 1024"))
 }
 
 /// Returns at most as many threads as the caller requests; all threads by default.
-pub(crate) fn at_most(py: Python<'_>, limit: Option<&Bound<'_, PyAny>>) -> PyResult<Threads> {
+pub(crate) fn at_most(limit: Option<&Bound<'_, PyAny>>) -> PyResult<usize> {
     match limit.map(|value| read::count("threads", value)).transpose()? {
-        None => threads(py),
+        None => threads(),
         Some(0) => Err(invalid("threads", "0", "give a whole number, 1 or above")),
-        // A single thread needs no pool.
-        Some(1) => Ok(Threads::default().at_most(1)),
-        Some(most) => Ok(threads(py)?.at_most(most)),
+        Some(most) => Ok(threads()?.min(most)),
     }
 }
 
@@ -59,10 +49,15 @@ pub(crate) fn memory_limit() -> PyResult<u64> {
 
 /// Returns the limit, or the text of the variable if it is no number of bytes.
 fn requested() -> Result<u64, String> {
-    match std::env::var("MIDAIR_MEMORY").ok().filter(|text| !text.is_empty()) {
+    match variable("MIDAIR_MEMORY") {
         None => Ok(installed().map_or(MEMORY, |bytes| MEMORY.min(bytes / 4 * 3))),
         Some(text) => read(&text).ok_or(text),
     }
+}
+
+/// Returns the text of an environment variable that is set.
+fn variable(name: &str) -> Option<String> {
+    std::env::var(name).ok().filter(|text| !text.is_empty())
 }
 
 fn no_bytes(text: String) -> PyErr {

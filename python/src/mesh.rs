@@ -171,23 +171,21 @@ impl Boundary {
 
     /// Returns the matrix of the equations (E, E).
     fn matrix<'py>(&self, py: Python<'py>, progress: Option<Py<PyAny>>) -> PyResult<Array2<'py, Complex32>> {
-        let threads = limits::threads(py)?;
-        let matrix = attend(py, progress, |control| self.inner.matrix(&mut control.on(threads)))?;
+        let matrix = attend(py, progress, |mut control| self.inner.matrix(&mut control))?;
         PyArray1::from_vec(py, matrix).reshape([self.inner.elements(); 2])
     }
 
     /// Returns the right-hand sides of the equations (E, N): the incident wave of each transducer at each element.
     fn incident<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py, Complex32>> {
-        let threads = limits::threads(py)?;
-        let incident = attend(py, None, |control| self.inner.incident(&mut control.on(threads)))?;
+        let incident = attend(py, None, |mut control| self.inner.incident(&mut control))?;
         PyArray1::from_vec(py, incident).reshape([self.inner.elements(), self.inner.transducers()])
     }
 
     /// Returns the sound inside of the bodies, which should be 0, relative to the incident sound there. `sound` is the
     /// solution (E, N).
     fn left_inside(&self, py: Python<'_>, sound: PyReadonlyArray2<'_, Complex32>) -> PyResult<f64> {
-        let (sound, threads) = (sound.as_slice()?, limits::threads(py)?);
-        attend(py, None, |control| self.inner.left_inside(sound, &mut control.on(threads)))
+        let sound = sound.as_slice()?;
+        attend(py, None, |mut control| self.inner.left_inside(sound, &mut control))
     }
 }
 
@@ -201,9 +199,8 @@ getters! {
 /// Returns a model with obstacles. If there are meshes among them, Python solves their boundary equations.
 pub(crate) fn behind(py: Python<'_>, model: &Model, obstacles: &[Obstacle]) -> PyResult<Model> {
     if !obstacles.iter().any(|obstacle| matches!(obstacle, Obstacle::Mesh(_))) {
-        let threads = limits::threads(py)?;
         let model = model.clone();
-        return attend(py, None, |control| model.with_obstacles_watched(obstacles, &mut control.on(threads)));
+        return attend(py, None, |mut control| model.with_obstacles_watched(obstacles, &mut control));
     }
     let boundary = midair::Boundary::new(model.array(), model.medium(), obstacles.to_vec()).map_err(refused)?;
     let boundary = Arc::new(boundary);

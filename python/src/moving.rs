@@ -181,11 +181,9 @@ impl Moving {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mut guard = self.run()?;
-        let (solver, threads) = (&mut *guard, limits::threads(py)?);
-        let together = self.request.ahead != Some(0);
+        let solver = &mut *guard;
         let played = attend(py, progress.filter(|_| self.request.ahead.is_none()), |mut control| {
-            let control = if together { &mut control.on(threads) } else { &mut control };
-            solver.block(first..stop, control)
+            solver.block(first..stop, &mut control)
         })?;
         let remarks: Vec<_> = solver.session().map(|session| session.remarks().collect()).unwrap_or_default();
         drop(guard);
@@ -326,13 +324,12 @@ impl Horizon {
     /// Returns the drive (N,) of the next frame, None after the last. Fewer frames than wanted are the last ones.
     fn advance<'py>(&self, py: Python<'py>) -> PyResult<Option<Array1<'py, Complex32>>> {
         let mut guard = self.inner()?;
-        let (horizon, threads) = (&mut *guard, limits::threads(py)?);
-        let drive = attend(py, None, |control| {
-            let control = &mut control.on(threads);
-            let Some(codes) = horizon.advance(control)? else { return Ok(None) };
+        let horizon = &mut *guard;
+        let drive = attend(py, None, |mut control| {
+            let Some(codes) = horizon.advance(&mut control)? else { return Ok(None) };
             let Some((points, targets)) = horizon.frame() else { return Ok(None) };
             let table = Table { points, targets, frames: 1, first: 0 };
-            horizon.tracks.drives(table, &codes, control).map(Some)
+            horizon.tracks.drives(table, &codes, &mut control).map(Some)
         })?;
         Ok(drive.map(|drive| give::list(py, drive)))
     }

@@ -9,18 +9,18 @@ import numpy as np
 import traps
 from oracle import Complex, Real
 
-RADIUS, START = 0.018, 0.05
+RADIUS = 0.018
 #: Viscosity of air at 20 degrees Celsius, in Pa s.
 VISCOSITY = 1.81e-5
 #: Integration steps per frame, from 5 kHz: four of them change distances by .2 % at most.
 STEPS = 1
 
 
-def circle(count: int, speed: float, rate: float, laps: float = 1.0) -> Real:
-    """Returns points (T, M, 3) on a circle in the xz plane; their speed rises smoothly from 0 to `speed`."""
-    time = np.arange(round(rate * (START + laps * 2 * np.pi * RADIUS / speed))) / rate
-    part = np.minimum(time / START, 1)
-    way = speed * (START * (part**3 - part**4 / 2) + np.maximum(time - START, 0))
+def circle(count: int, speed: float, rate: float, laps: float = 1.0, start: float = 0.05) -> Real:
+    """Returns points (T, M, 3) on a circle in the xz plane; their speed rises from 0 to `speed` within `start` s."""
+    time = np.arange(round(rate * (start + laps * 2 * np.pi * RADIUS / speed))) / rate
+    part = np.minimum(time / start, 1)
+    way = speed * (start * (part**3 - part**4 / 2) + np.maximum(time - start, 0))
     angle = way[:, None] / RADIUS + 2 * np.pi * np.arange(count) / count
     return RADIUS * np.stack([np.cos(angle), 0 * angle, np.sin(angle)], axis=-1)
 

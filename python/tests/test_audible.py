@@ -75,7 +75,7 @@ def integral(played: midair.Sequence, ears: NDArray[np.float64], orders: int) ->
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:medium.absorption")
-@pytest.mark.parametrize("technique", ["AM", "moving", "glide"])
+@pytest.mark.parametrize("technique", ["AM", pytest.param("moving", marks=pytest.mark.long), "glide"])
 def test_a_small_array_sounds_as_the_direct_integral(technique: str) -> None:
     array = midair.Array.grid(4, 4, 5e-3, directivity={"cos": 2.0}, source_pressure=4.386)
     turns = 2 * np.pi * np.arange(10) / 10

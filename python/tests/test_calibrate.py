@@ -219,7 +219,7 @@ def test_memory_is_requested_before_it_is_taken(monkeypatch: pytest.MonkeyPatch)
         monkeypatch.setenv("MIDAIR_MEMORY", given)
         with pytest.raises(midair.SceneError, match=f'^MIDAIR_MEMORY is "{given}": give bytes, such as 2e9'):
             midair.calibrate(rig.array, drives, received, microphones=rig.places)
-    for given in ("14MB", "1GB", ""):
+    for given in ("14MB", ""):
         monkeypatch.setenv("MIDAIR_MEMORY", given)
         midair.calibrate(rig.array, drives, received, microphones=rig.places)
 

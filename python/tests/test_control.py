@@ -144,7 +144,7 @@ def run(code: str, **environment: str) -> str:
 
 @pytest.mark.slow
 def test_results_have_the_same_bits_on_any_number_of_threads() -> None:
-    one, two, five = (run(PICTURE, RAYON_NUM_THREADS=threads) for threads in "125")
+    one, two, five = (run(PICTURE, MIDAIR_THREADS=threads) for threads in "125")
     assert len(one.split()) == 4
     assert one == two == five
 

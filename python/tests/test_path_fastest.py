@@ -252,8 +252,8 @@ def test_the_record_has_each_shape_of_the_paper_at_its_rate() -> None:
 
 # A margin is a part of the trap's force. For a bead of 1 mm this is .75 of Gor'kov's, by which the margins of
 # the same rates were .115 and .394.
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "margin"), [("heart", 0.147), pytest.param("flower", 0.5, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize(("name", "margin"), [("heart", 0.147), ("flower", 0.5)])
 def test_shapes_of_the_paper_fly_at_its_rate(name: str, margin: float) -> None:
     found = shapes.flown(name, midair.Array.preset("openmpd_pair"), margin)
     assert found["held"]

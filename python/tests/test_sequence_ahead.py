@@ -162,7 +162,7 @@ def test_threads_leave_no_trace(threads: str) -> None:
         encoding="utf-8",
         check=True,
         cwd=os.path.dirname(__file__),
-        env={**os.environ, "RAYON_NUM_THREADS": threads},
+        env={**os.environ, "MIDAIR_THREADS": threads},
     )
     assert reported.stdout.strip() == hashlib.sha256(solved(fast(20), 6).codes.tobytes()).hexdigest()
 

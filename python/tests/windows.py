@@ -102,10 +102,6 @@ PROCESSES = 8
 RELEASE = os.environ.get("PROFILE") == "release"
 PROFILE = ("--release",) if RELEASE else ()
 
-#: The core. With the extension beside it, its dependencies have the features of the wheel, and it is compiled once.
-CORE = ("-p", "midair", "-p", "midair-python", "--no-default-features")
-CORE = (*CORE, "--features", "midair/scene-file,midair/parallel")
-
 #: Examples of the C library: folder, compiler, language, and a part of what they print.
 EXAMPLES = (
     ("c", "gcc", "c99", "\n256 transducers: level 1.000"),
@@ -277,8 +273,7 @@ def wheel() -> None:
 
 def c() -> None:
     """Builds the C library, looks in it for the functions that Unity calls, and runs the examples with it."""
-    # A library for users is compiled alone: beside the extension it would have the extension's threads.
-    run(CARGO, "build", *PROFILE, "-p", "midair-capi", *(() if RELEASE else CORE))
+    run(CARGO, "build", *PROFILE, "-p", "midair-capi")
     # Beside ucrtbase.dll, which Wine looks for in the folder of the program.
     dll = shutil.copy(HOME / "target" / TARGET / ("release" if RELEASE else "debug") / "midair.dll", BIN)
     scripts = (ROOT / "unity" / "Runtime" / "MidairLibrary.cs").read_text("utf-8")
@@ -308,8 +303,10 @@ def example() -> None:
 
 def core() -> None:
     """Runs the core's tests."""
-    # With Wine's own ucrtbase.dll: programs in other folders than Python's do not find the one that was made.
-    run(CARGO, "test", "--quiet", *CORE, "--", "--include-ignored", WINEDLLOVERRIDES="ucrtbase=b")
+    # With the extension beside it, the core is compiled as for the wheel. With Wine's own ucrtbase.dll: programs in
+    # other folders than Python's do not find the one that was made.
+    chosen = ("-p", "midair", "-p", "midair-python", "--no-default-features", "--features", "midair/scene-file")
+    run(CARGO, "test", "--quiet", *chosen, "--", "--include-ignored", WINEDLLOVERRIDES="ucrtbase=b")
 
 
 def quick() -> None:

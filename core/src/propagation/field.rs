@@ -18,7 +18,7 @@ const STRETCH: usize = 1 << 21;
 /// Returns the complex pressures (P,) in Pa (peak) of a drive (N,) at any `points` (P, 3) in m: p = G q.
 ///
 /// A point nearer to a transducer than a hundredth of the wavelength counts as that far away, so that a picture is always
-/// finite. Inside an obstacle the pressure is 0. With the feature `parallel` all threads share the points; the result does not
+/// finite. Inside an obstacle the pressure is 0. The threads of `control` share the points; the result does not
 /// depend on their number.
 ///
 /// # Errors

@@ -253,18 +253,13 @@ fn silence_is_silent() {
     assert_eq!(found, [Complex32::ZERO; 20]);
 }
 
-#[cfg(feature = "parallel")]
 #[test]
 fn the_number_of_threads_changes_no_bit() {
     let scene = real();
     let drive = random_drive(scene.array().len(), 4);
     let points = random_points(8_500, 0.1, 3);
     let on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| {
-            assert_eq!(rayon::current_num_threads(), threads);
-            field(&scene, &drive, &points)
-        })
+        midair::field(&model_of(&scene), &drive, &points, &mut Control::none().with_threads(threads)).expect("a field")
     };
     let alone = on(1);
     assert_eq!(alone, on(2));

@@ -212,7 +212,7 @@ fn a_batch_with_starts_is_single_solves_bit_for_bit() {
     let solver: Arc<dyn Solve + Send + Sync> = Arc::new(greedy.clone());
     let mut drives = vec![Complex32::ZERO; 20 * 400];
     let mut session = Session::new(model, solver, false);
-    session.solve_batch(20, 5, &ask, &mut drives, &mut Control::none()).expect("answers");
+    session.solve_batch(20, 5, &ask, &mut drives, &mut Control::none().with_threads(3)).expect("answers");
     for (k, drive) in drives.chunks(400).enumerate() {
         let single = solved(&greedy, &started(problem(&scene(array.clone(), points(k), None)), &start(k)));
         assert_eq!(single.drive, drive, "problem {k}");

@@ -137,7 +137,7 @@ fn a_drive_that_cannot_be_played_never_comes_out() {
         let mut session = session.expect("a session");
         let mut drives = vec![Complex32::ZERO; 2 * TRANSDUCERS];
         let ask = |_: usize, _: &mut SolveRequest| Ok(());
-        let batch = session.solve_batch(2, POINTS, &ask, &mut drives, &mut Control::none());
+        let batch = session.solve_batch(2, POINTS, &ask, &mut drives, &mut Control::none().with_threads(3));
         let batch = batch.map(|_| ()).expect_err("refused").to_string();
         assert!(batch.starts_with("problems[0]: drive"), "{batch}");
         assert!(drives.iter().all(|q| *q == Complex32::ZERO));

@@ -55,9 +55,9 @@ fn batch_of(
         Ok(())
     };
     let points = asks[0].points.len();
-    let none = &mut Control::none();
+    let control = &mut Control::none().with_threads(3);
     let mut session = Session::new(model.clone(), Arc::clone(solver), balance);
-    let batch = session.solve_batch(asks.len(), points, &ask, &mut drives, none)?;
+    let batch = session.solve_batch(asks.len(), points, &ask, &mut drives, control)?;
     Ok((drives, batch))
 }
 
@@ -137,13 +137,13 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
         Ok(())
     };
     // More problems than any machine solves before it checks whether to stop.
-    let count = 1000 * std::thread::available_parallelism().map_or(1, usize::from);
+    let count = 2000;
     let batch = Session::new(model, solver, false).solve_batch(
         count,
         M,
         &ask,
         &mut vec![Complex32::ZERO; 400 * count],
-        &mut Control::watched(&mut stop),
+        &mut Control::watched(&mut stop).with_threads(2),
     );
     let batch = batch.expect("what is done");
     assert_eq!(calls, 1);

@@ -108,7 +108,7 @@ def fastest(
     >>> boards = midair.Array.preset("openmpd_pair", quantization={})
     >>> angle = np.linspace(0, 2 * np.pi, 24, endpoint=False)
     >>> ring = 0.02 * np.stack([np.cos(angle), 0 * angle, np.sin(angle)], axis=1)
-    >>> midair.path.fastest(ring, boards).duration < 0.2
+    >>> midair.path.fastest(ring, boards, margin=0.3).duration < 0.2
     True
     """
     for name in sorted(BEAD & air.keys()):

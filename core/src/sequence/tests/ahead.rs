@@ -195,15 +195,12 @@ fn a_first_frame_is_kept() {
     assert_eq!(largest_step(&away, 256, &how), 8);
 }
 
-#[cfg(feature = "parallel")]
 #[test]
 fn the_number_of_threads_changes_no_code() {
-    use crate::threads::Threads;
     let model = model(&grid());
     let points = circles(24, 24);
     let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        let mut control = Control::none().on(Threads::of(pool.into()));
+        let mut control = Control::none().with_threads(threads);
         let closed = ahead(&model, &points, &[1.0; 72], 24, &CLOSED, None, &mut control).expect("codes");
         let fixed = Ahead { ends: Ends::Held, ..OPEN };
         [ahead(&model, &points, &[1.0; 72], 24, &fixed, Some(&closed), &mut control).expect("codes"), closed]

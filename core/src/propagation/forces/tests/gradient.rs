@@ -224,7 +224,7 @@ fn bits_are_those_of_every_instruction_set_and_number_of_threads() {
     let cotangent: Vec<f64> = (0..count).map(|k| f64::from(k % 7) - 2.0).collect();
     let model = setting.model();
     let of = |set, threads: usize| {
-        let mut control = Control::none().on(crate::Threads::default().at_most(threads));
+        let mut control = Control::none().with_threads(threads);
         let mut model = model.clone();
         model.set = set;
         gradient(&model, &setting.drive, &points, Quantity::Radiation, &cotangent, &mut control).expect("a gradient")
