@@ -149,6 +149,15 @@ def test_results_have_the_same_bits_on_any_number_of_threads() -> None:
     assert one == two == five
 
 
+@pytest.mark.slow
+def test_a_bad_number_of_threads_is_one_line() -> None:
+    command = [sys.executable, "-m", "midair", "solve", "--preset", "autd3", "--at", "0,0,0.15"]
+    for given in ("many", "0", "-1", "1e3"):
+        ran = subprocess.run(command, env=os.environ | {"MIDAIR_THREADS": given}, capture_output=True, encoding="utf-8")
+        refusal = f'error: MIDAIR_THREADS is "{given}": give a whole number of threads, 1 to 1024\n'
+        assert (ran.returncode, ran.stdout, ran.stderr) == (2, "", refusal)
+
+
 POSIX = pytest.mark.skipif(os.name == "nt", reason="signals and fork of POSIX")
 
 
