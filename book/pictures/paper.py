@@ -27,9 +27,10 @@ def parts(place: Path) -> dict[str, str]:
     """Returns the parts of the page between its markers, from the tables in a folder."""
     rows = {name: tables.read(place / f"{name}.csv") for name in FIGURES}
     verdicts = {name: figure.judge(rows[name]) for name, figure in FIGURES.items()}
-    outcomes = [verdict.verdict for judged in verdicts.values() for verdict in judged]
+    every = [verdict for judged in verdicts.values() for verdict in judged]
+    outcomes = [verdict.verdict for verdict in every if not verdict.statement.startswith("(ours)")]
     counts = ", ".join(f"{outcomes.count(kind)} {words}" for kind, words in PLURAL.items())
-    found = {"statements": f"Of {len(outcomes)} statements, {counts}.\n"}
+    found = {"statements": f"Of the paper's {len(outcomes)} statements, {counts}.\n"}
     for name in FIGURES:
         judged = [[it.statement, f"**{it.verdict}**", it.evidence] for it in verdicts[name]]
         found[name] = table(["the paper says", "we find", "by these numbers"], judged)

@@ -8,4 +8,4 @@ if ! rustup run "$version" rustc --version >/dev/null 2>&1 \
     echo "Rust $version cannot be had here: not checked"
     exit 0
 fi
-rustup run "$version" cargo check --quiet --target-dir target/minimum --workspace --features midair/scene-file,midair/parallel
+rustup run "$version" cargo check --quiet --target-dir target/minimum --workspace --features midair/scene-file

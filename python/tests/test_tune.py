@@ -1,10 +1,12 @@
 """Tuning with readings: their number, options, and the best drive, which is kept however the tuning ends."""
 
 import os
+import runpy
 import signal
 import threading
 import time
 import warnings
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -87,6 +89,15 @@ def test_feedback_evens_out_in_ten_drives() -> None:
         after.append(reader.level(found.drive)[1])
     assert np.mean(before) < 0.95
     assert np.mean(after) > 0.97
+
+
+def test_feedback_stays_at_one_even_field_of_foci_near_each_other() -> None:
+    simulated = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "microphone.py"))["simulated"]
+    foci = [[x, y, 0.15] for x in (-0.02, 0.02) for y in (-0.02, 0.02)]
+    near = midair.Scene(midair.Array.grid(16, 16, 10e-3), foci)
+    for seed in range(6):
+        found = midair.tune(simulated(near, seed), near, "feedback")
+        assert found.pressures.min() > 0.99 * found.pressures.max()
 
 
 def test_spsa_gains_level() -> None:

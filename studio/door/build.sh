@@ -15,7 +15,7 @@ linker=$(command -v wasm-ld wasm-ld-19 "$(rustc --print sysroot)"/lib/rustlib/*/
 if [ -x /usr/bin/rustc ] && [ -e /usr/lib/rustlib/src/rust/library/Cargo.lock ] && [ -n "$linker" ]; then
     RUSTC_BOOTSTRAP=1 RUSTC=/usr/bin/rustc RUSTFLAGS="$flags -C linker=$linker -Z unstable-options -C panic=immediate-abort" \
         /usr/bin/cargo build --release --target $target -Zbuild-std=std,panic_abort -Zbuild-std-features=optimize_for_size
-elif [ -d "$(rustc --print sysroot)/lib/rustlib/$target" ]; then
+elif [ -d "$(rustc --print sysroot)/lib/rustlib/$target" ] || rustup --quiet target add $target 2> /dev/null; then
     RUSTFLAGS="$flags" cargo build --release --target $target
 else
     echo "studio/door: no compiler for WebAssembly: rustup target add $target" \

@@ -65,6 +65,8 @@ Read = Callable[[Drive], Any]
 
 #: If a microphone reads the same value after this many changes of the drive, it does not measure the sound.
 CHANGES = 2
+#: Drives that differ by less at every transducer are the same.
+SAME = 1e-3
 
 
 class Ended(Exception):
@@ -113,7 +115,7 @@ class Player:
         except Exception as error:
             raise Unreadable(error) from error
         self.readings += 1
-        self._changes += self._last is not None and not np.array_equal(played, self._last)
+        self._changes += self._last is not None and not np.allclose(played, self._last, rtol=0, atol=SAME)
         self._last = played
         self._quietest, self._loudest = np.minimum(found, self._quietest), np.maximum(found, self._loudest)
         self.offer(played, found)
@@ -208,11 +210,13 @@ QUIETEST = 0.1
 def feedback(player: Player, scene: Scene, targets: Real, solver: str, steps: int) -> None:
     """Correct targets t_j by (mean x / x_j)^0.7, x_j = |p_j| / target_j as read; solve the scene for them.
 
-    This is the camera feedback of slmsuite. The method makes the points even, but it does not raise the
-    level, because the model does not change.
+    This is the camera feedback of slmsuite. Each solve begins with the last drive, because another even field
+    would need other corrections.
     """
+    info = solvers()[solver_name(word("solver", solver))]
     # Only ratios are corrected, so solvers with `aim` play the points as loud as possible.
-    aim: Literal["max"] | None = "max" if solvers()[solver_name(word("solver", solver))].uses_aim else None
+    aim: Literal["max"] | None = "max" if info.uses_aim else None
+    last: Solution | None = None
     wanted = targets.copy()
     requested = targets > 0
     for step in range(steps):
@@ -220,8 +224,9 @@ def feedback(player: Player, scene: Scene, targets: Real, solver: str, steps: in
             if step:
                 # The corrected targets are internal, so they must not cause warnings.
                 warnings.simplefilter("ignore", SceneWarning)
-            drive = solve(scene.replace(pressures=wanted), solver, aim=aim).drive
-        pressures = player(drive)
+            begun: dict[str, Any] = {"start": last} if last is not None and info.uses_start else {}
+            last = solve(scene.replace(pressures=wanted), solver, aim=aim, **begun)
+        pressures = player(last.drive)
         player.trace.append(player.value(pressures))
         x = pressures[requested] / targets[requested]
         mean = x.mean()

@@ -28,8 +28,8 @@ def recipes(place: ArrayLike) -> dict[str, Path]:
         to sandpaper (arXiv 2601.16767).
         "AM": a focus at rest, modulated at 200 Hz, where the finger is most sensitive: a buzz (Dalecki et
         al., J. Acoust. Soc. Am. 97, 3165, 1995). "LM": a focus that circles on 8.5 mm 50 times a second, a
-        flutter, stronger than AM (Takahashi et al., IEEE Trans. Haptics 13(2), 2020). "STM": a focus that
-        draws a circle of 3 cm radius at 7 m/s, a ring (Frier et al., EuroHaptics 2018).
+        flutter, stronger than AM of 50 Hz (Takahashi et al., IEEE Trans. Haptics 13(2), 2020). "STM": a focus
+        that draws a circle of 3 cm radius at 7 m/s, a ring (Frier et al., EuroHaptics 2018).
         "touch": on for 0.1 s, then off for 0.1 s: an onset and a release. Play it once. No paper was read.
 
     Raises
