@@ -269,7 +269,7 @@ pins: ## Pin what pyproject.toml asks for, names and versions only
 wheels: setup studio ## Wheels for Linux, x86-64 and 64-bit ARM, with the studio, into dist (15 min)
 	python/wheels.sh
 
-release: book/.venv/ready studio/node_modules ## Rehearse a release: all parts into out/release, each tried in an empty folder (15 min)
+release: book/.venv/ready studio/node_modules ## Rehearse a release: all parts into out/release, each tried in an empty folder (17 min)
 	$(PYTHON) python/release.py
 
 clean: ## Remove what was built
