@@ -261,7 +261,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
             ]
         )
     assert end.value.code == 0
-    assert "256 transducers" in capsys.readouterr().out
+    assert "64 transducers" in capsys.readouterr().out
     assert picture.stat().st_size > 10_000
     found = midair.Scene.load(tmp_path / "array.toml")
     assert rig.kept(found.array, found.sound_speed) > 0.96

@@ -74,7 +74,7 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
     made.close()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_killed_worker_changes_no_number(cluster: Cluster, tmp_path: Path) -> None:
     running = sweep(tmp_path, "--output", "far.csv", "--scheduler", cluster.address)
     # The first chunk is stored, so both workers now compute other chunks.

@@ -45,8 +45,8 @@ def test_a_style_holds_within_its_statement_or_from_now_on() -> None:
         midair.style("nature")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("style", [pytest.param(None, marks=pytest.mark.long), "ieee"])
+@pytest.mark.long
+@pytest.mark.parametrize("style", [None, "ieee"])
 def test_no_file_of_ours_has_a_type_3_font(style: str | None, tmp_path: Path) -> None:
     solution = midair.solve(flat(), "naive")
     with nullcontext() if style is None else midair.style(style):
