@@ -33,8 +33,7 @@
 //! SI units, time factor e^{-jwt}, |p| is the peak amplitude; all conventions are in `docs/conventions.md`.
 //!
 //! # Features
-//! `std` (default; without it the crate is `no_std` + alloc), `scene-file` (scenes as TOML or JSON
-//! text).
+//! `std` (default; without it the crate is `no_std` + alloc), `scene-file` (scenes as TOML or JSON text).
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;

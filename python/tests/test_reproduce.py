@@ -136,7 +136,8 @@ OURS = {"uniform", "best"}
 TRIALS = {"greedy-fine": 4}
 CASES = [
     pytest.param(
-        *(method, count),
+        method,
+        count,
         marks=pytest.mark.long if method.key in TRIALS and count > 4 else (),
         id=f"{method.key}-{count}",
     )

@@ -18,8 +18,8 @@ const STRETCH: usize = 1 << 21;
 /// Returns the complex pressures (P,) in Pa (peak) of a drive (N,) at any `points` (P, 3) in m: p = G q.
 ///
 /// A point nearer to a transducer than a hundredth of the wavelength counts as that far away, so that a picture is always
-/// finite. Inside an obstacle the pressure is 0. The threads of `control` share the points; the result does not
-/// depend on their number.
+/// finite. Inside an obstacle the pressure is 0. The threads of `control` share the points; the result does not depend on
+/// their number.
 ///
 /// # Errors
 /// A drive that does not fit the array, no points, a coordinate that is not finite or too far away; more memory than
