@@ -7,7 +7,6 @@ use core::ops::ControlFlow;
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::{Error, ErrorCode, Notice, Result};
-use crate::threads;
 
 /// How far a solve has progressed.
 #[derive(Clone, Copy)]
@@ -224,14 +223,16 @@ impl<'a> Control<'a> {
         parts: Vec<T>,
         run: &(dyn Fn(T, &mut Control) -> Result<()> + Sync),
     ) -> Result<()> {
-        let (stop, memory, threads) = (AtomicBool::new(false), self.memory, self.threads);
         // A part may be too short for a pulse that is passed on, so each begins with one.
         let begin = |part: T, control: &mut Control| control.beat().and_then(|()| run(part, control));
-        let alone = |part: T| begin(part, &mut Control { stop: Some(&stop), memory, ..Control::default() });
-        match threads::spread(threads, parts, &stop, &mut || self.beat().is_ok(), &alone) {
-            Ok(results) => results.into_iter().collect(),
-            Err(parts) => parts.into_iter().try_for_each(|part| begin(part, &mut self.part())),
+        #[cfg(feature = "std")]
+        if self.threads.min(parts.len()) > 1 {
+            let (stop, memory, threads) = (AtomicBool::new(false), self.memory, self.threads);
+            let alone = |part: T| begin(part, &mut Control { stop: Some(&stop), memory, ..Control::default() });
+            let results = crate::threads::spread(threads, parts, &stop, &mut || self.beat().is_ok(), &alone);
+            return results.into_iter().collect();
         }
+        parts.into_iter().try_for_each(|part| begin(part, &mut self.part()))
     }
 }
 

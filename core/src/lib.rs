@@ -59,6 +59,7 @@ mod scene;
 pub mod sequence;
 mod session;
 pub mod solvers;
+#[cfg(feature = "std")]
 mod threads;
 pub mod touch;
 mod vec3;

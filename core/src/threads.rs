@@ -6,16 +6,14 @@ use alloc::vec::Vec;
 use core::sync::atomic::AtomicBool;
 
 /// Runs the parts on this many threads, and returns the results in order. Meanwhile calls `listen` every 20 ms; when it
-/// returns false, sets `stop`, which the parts read. Returns the parts unchanged if the caller should run them itself, because
-/// there is only one part or one thread.
-#[cfg(feature = "std")]
+/// returns false, sets `stop`, which the parts read.
 pub(crate) fn spread<T: Send, R: Send>(
     threads: usize,
     parts: Vec<T>,
     stop: &AtomicBool,
     listen: &mut dyn FnMut() -> bool,
     run: &(dyn Fn(T) -> R + Sync),
-) -> Result<Vec<R>, Vec<T>> {
+) -> Vec<R> {
     use core::sync::atomic::Ordering::Relaxed;
     use std::sync::mpsc::{RecvTimeoutError, channel};
     use std::sync::{Mutex, PoisonError};
@@ -25,9 +23,6 @@ pub(crate) fn spread<T: Send, R: Send>(
     const INTERVAL: Duration = Duration::from_millis(20);
 
     let count = threads.min(parts.len());
-    if count < 2 {
-        return Err(parts);
-    }
     let mut results: Vec<Option<R>> = parts.iter().map(|_| None).collect();
     let queue = Mutex::new(parts.into_iter().zip(&mut results));
     let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
@@ -57,17 +52,5 @@ pub(crate) fn spread<T: Send, R: Send>(
         }
     });
     drop(queue);
-    Ok(results.into_iter().flatten().collect())
-}
-
-/// Without threads, the caller runs all parts.
-#[cfg(not(feature = "std"))]
-pub(crate) fn spread<T, R>(
-    _threads: usize,
-    parts: Vec<T>,
-    _stop: &AtomicBool,
-    _listen: &mut dyn FnMut() -> bool,
-    _run: &(dyn Fn(T) -> R + Sync),
-) -> Result<Vec<R>, Vec<T>> {
-    Err(parts)
+    results.into_iter().flatten().collect()
 }
